@@ -1,0 +1,8 @@
+//! raycell
+pub mod error;
+pub mod layout;
+pub mod params;
+pub mod scene;
+pub use error::{Error, Result};
+pub use params::{Direct, Params};
+pub use scene::Scene;

@@ -1,0 +1,122 @@
+//! Every tuning number of a bake: unit, range, default, what it costs, where it comes from.
+
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+/// How light that comes straight from emitters is carried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direct {
+    /// Sampled exactly at every point, by multiple importance sampling; the network carries the rest.
+    #[default]
+    Exact,
+    /// Through the network like all other light (the paper's idea): no shadow rays, soft shadow edges.
+    Network,
+}
+
+/// Parameters of a bake. [`Params::default`] serves every scene; `check` refuses what makes no sense.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Params {
+    /// Seed of every random sequence. Same seed, same device, same bytes.
+    pub seed: u32,
+    /// Light rays of the full network, 1,024 to 2^24; default 524,288. Error falls about as n^-0.3,
+    /// time grows linearly.
+    pub rays: u32,
+    /// Cells (reference rays) of the network, 16 to 100,000; default `rays/128`. Beyond `rays/64` cells buy nothing.
+    pub cells: Option<u32>,
+    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)`, plus one for each
+    /// planar piece where there are more than 200.
+    pub nodes: Option<u32>,
+    /// How direct light is carried.
+    pub direct: Direct,
+    /// Share alpha of starts drawn where light is expected, in [0, 0.95]; the rest covers the area uniformly. Default 0.7.
+    pub alpha: f64,
+    /// Weight lambda of normals in the metrics, in [0, 1]; default 0.3 (a length in units of L).
+    pub lambda: f64,
+    /// Weight mu of the emitter end's brightness in the ray metric, in [0, 2]; default 0.3.
+    pub mu: f64,
+    /// Ridge of the nodes' least-squares planes, in (0, 1]; default 0.05.
+    pub ridge: f64,
+    /// Gather and deposit slots kept a cell, 4 to 128; default 32. Below 16 the accuracy is destroyed.
+    pub slots: u32,
+    /// Shadow rays to emitters at each ray end (and one cosine ray beside them), 1 to 64; default 2.
+    pub end_samples: u32,
+    /// Relative standard error at which direct light at a shown point is taken for known, in [1e-4, 1]; default 0.004.
+    pub direct_tolerance: f64,
+    /// Most direct samples at a shown point, 16 to 65,536; default 8,192.
+    pub direct_samples: u32,
+    /// Rays of a final gather, 0 (never gather) to 65,536; default 512.
+    pub gather_rays: u32,
+    /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 0.6.
+    pub gather_threshold: f64,
+    /// Relative error at which Jacobi stops, measured against the true fixed point, in [1e-9, 0.1]; default 1e-5.
+    pub tolerance: f64,
+    /// Most Jacobi sweeps, 1 to 1,000,000; default 20,000.
+    pub max_sweeps: u32,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Params {
+            seed: 1,
+            rays: 524_288,
+            cells: None,
+            nodes: None,
+            direct: Direct::Exact,
+            alpha: 0.7,
+            lambda: 0.3,
+            mu: 0.3,
+            ridge: 0.05,
+            slots: 32,
+            end_samples: 2,
+            direct_tolerance: 0.004,
+            direct_samples: 8_192,
+            gather_rays: 512,
+            gather_threshold: 0.6,
+            tolerance: 1e-5,
+            max_sweeps: 20_000,
+        }
+    }
+}
+
+impl Params {
+    /// Checks every range. Errors: [`Error::InvalidParam`].
+    pub fn check(&self) -> Result<()> {
+        fn within<T: PartialOrd + std::fmt::Display>(
+            name: &'static str,
+            value: T,
+            low: T,
+            high: T,
+            range: &'static str,
+        ) -> Result<()> {
+            // A NaN compares false, and is refused with the rest.
+            if value >= low && value <= high {
+                Ok(())
+            } else {
+                Err(Error::InvalidParam { name, value: value.to_string(), range })
+            }
+        }
+        within("rays", self.rays, 1024, 1 << 24, "give 1024 to 16777216 rays")?;
+        within("cells", self.cells(), 16, 100_000, "give 16 to 100000 cells")?;
+        if let Some(n) = self.nodes {
+            within("nodes", n, 4, 1_000_000, "give 4 to 1000000 nodes")?;
+        }
+        within("alpha", self.alpha, 0.0, 0.95, "give 0 to 0.95")?;
+        within("lambda", self.lambda, 0.0, 1.0, "give 0 to 1")?;
+        within("mu", self.mu, 0.0, 2.0, "give 0 to 2")?;
+        within("ridge", self.ridge, 1e-9, 1.0, "give 1e-9 to 1")?;
+        within("slots", self.slots, 4, 128, "give 4 to 128 slots")?;
+        within("end_samples", self.end_samples, 1, 64, "give 1 to 64 samples")?;
+        within("direct_tolerance", self.direct_tolerance, 1e-4, 1.0, "give 1e-4 to 1")?;
+        within("direct_samples", self.direct_samples, 16, 65_536, "give 16 to 65536 samples")?;
+        within("gather_rays", self.gather_rays, 0, 65_536, "give 0 to 65536 rays")?;
+        within("gather_threshold", self.gather_threshold, 0.0, 1e9, "give a number of node spacings, 0 or more")?;
+        within("tolerance", self.tolerance, 1e-9, 0.1, "give 1e-9 to 0.1")?;
+        within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")
+    }
+
+    /// Cells asked for, or the default for the number of rays.
+    pub fn cells(&self) -> u32 {
+        self.cells.unwrap_or((self.rays / 128).clamp(16, 100_000))
+    }
+}

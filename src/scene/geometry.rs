@@ -1,0 +1,304 @@
+//! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
+//! start tiles and emitters.
+
+use super::Scene;
+use crate::error::{Error, Result};
+use crate::layout::{BvhNode, Emitter, Material, NONE, Tri};
+use std::collections::HashMap;
+
+/// Tiles the whole live area is cut into, about (a triangle has at least one).
+const TILES: f64 = 20_000.0;
+/// Most tiles along an edge of one triangle.
+const MAX_SPLIT: u32 = 160;
+
+/// A prepared scene. Lengths are local: `local = (world - center) * scale`.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// Centre of the bounding box, world.
+    pub center: [f64; 3],
+    /// Power of two that brings the largest half extent into (0.5, 1].
+    pub scale: f64,
+    /// Power of two that brings the largest emission into (0.5, 1]; radiosities inside the passes are multiplied by it.
+    pub emission_scale: f64,
+    /// Hierarchy, root first.
+    pub nodes: Vec<BvhNode>,
+    /// Triangles in the order of the hierarchy's leaves.
+    pub tris: Vec<Tri>,
+    /// Index of each triangle in [`Scene::faces`].
+    pub source: Vec<u32>,
+    /// Area of each triangle, local, f64.
+    pub areas: Vec<f64>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Emitting triangles with their cumulative distribution; empty where nothing emits.
+    pub emitters: Vec<Emitter>,
+    /// Number of tiles.
+    pub tiles: u32,
+    /// Triangle of each tile.
+    pub tile_tri: Vec<u32>,
+    /// Area that reflects or emits, local.
+    pub area: f64,
+    /// The length L = sqrt(area/6) that features are measured in, local.
+    pub unit: f64,
+    /// Number of planar pieces (edge-connected, coplanar, of one material).
+    pub pieces: u32,
+    /// Triangles dropped: zero area, or a duplicate of another.
+    pub dropped: u32,
+    /// What was odd, in words for the user.
+    pub warnings: Vec<String>,
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The power of two that brings `x > 0` into (0.5, 1].
+fn power_of_two_for(x: f64) -> f64 {
+    let mut s = 2f64.powi(-(x.log2().ceil() as i32));
+    // log2 may round at the interval's ends.
+    while x * s > 1.0 {
+        s *= 0.5;
+    }
+    while x * s <= 0.5 {
+        s *= 2.0;
+    }
+    s
+}
+
+impl Geometry {
+    /// Prepares a scene.
+    ///
+    /// Errors: those of [`Scene::check`]; [`Error::EmptyScene`] where no triangle has an area.
+    pub fn new(scene: &Scene) -> Result<Geometry> {
+        scene.check()?;
+        let empty = || Error::EmptyScene { scene: scene.name.clone() };
+        let mut warnings = Vec::new();
+
+        // Bound the vertices that faces use, recentre, and scale by a power of two, all in f64.
+        let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
+        for face in &scene.faces {
+            for &v in &face.vertices {
+                for k in 0..3 {
+                    low[k] = low[k].min(scene.vertices[v as usize][k]);
+                    high[k] = high[k].max(scene.vertices[v as usize][k]);
+                }
+            }
+        }
+        let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
+        let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
+        if half <= 0.0 || !half.is_finite() {
+            return Err(empty());
+        }
+        let scale = power_of_two_for(half);
+        let local = |v: u32| [0, 1, 2].map(|k| ((scene.vertices[v as usize][k] - center[k]) * scale) as f32);
+
+        // Keep triangles that have an area after the cast, each once.
+        let mut kept: Vec<(u32, [[f32; 3]; 3], [f64; 3], f64)> = Vec::new();
+        let (mut degenerate, mut duplicate) = (0u32, 0u32);
+        let mut seen = std::collections::HashSet::new();
+        for (i, face) in scene.faces.iter().enumerate() {
+            let corners = face.vertices.map(local);
+            let c = corners.map(|v| v.map(f64::from));
+            let normal = cross(sub(c[1], c[0]), sub(c[2], c[0]));
+            let double_area = dot(normal, normal).sqrt();
+            let longest = [(0, 1), (1, 2), (2, 0)]
+                .iter()
+                .map(|&(a, b)| {
+                    let e = sub(c[b], c[a]);
+                    dot(e, e)
+                })
+                .fold(0.0, f64::max);
+            // Thinner than rounding of the coordinates: neither its normal nor its area means anything.
+            if double_area <= longest * 1e-9 || double_area < 1e-30 {
+                degenerate += 1;
+                continue;
+            }
+            let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
+            // The same corners wound the other way are another surface: rotate, do not sort.
+            let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
+            key.rotate_left(first);
+            if !seen.insert(key) {
+                duplicate += 1;
+                continue;
+            }
+            kept.push((i as u32, corners, normal.map(|x| x / double_area), 0.5 * double_area));
+        }
+        if degenerate > 0 {
+            warnings.push(format!("{degenerate} triangle(s) without an area were dropped"));
+        }
+        if duplicate > 0 {
+            warnings.push(format!("{duplicate} duplicate triangle(s) were dropped"));
+        }
+        if kept.is_empty() {
+            return Err(empty());
+        }
+
+        // Build the hierarchy and lay triangles out in its leaf order.
+        let boxes: Vec<Bounds> = kept.iter().map(|(_, c, ..)| Bounds(*c)).collect();
+        let bvh =
+            obvhs::bvh2::builder::build_bvh2(&boxes, obvhs::BvhBuildParams::medium_build(), &mut std::time::Duration::default());
+        let nodes: Vec<BvhNode> = bvh
+            .nodes
+            .iter()
+            .map(|n| BvhNode { min: n.min.to_array(), count: n.prim_count, max: n.max.to_array(), first: n.first_index })
+            .collect();
+        let order: Vec<usize> = bvh.primitive_indices.iter().map(|&i| i as usize).collect();
+
+        // Materials, with the emission brought near 1.
+        let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max);
+        let emission_scale = if brightest > 0.0 { power_of_two_for(brightest * std::f64::consts::PI) } else { 1.0 };
+        let materials: Vec<Material> = scene
+            .materials
+            .iter()
+            .map(|m| Material {
+                rho: m.reflectance.map(|x| x as f32),
+                emit: m.emission.map(|x| (x * std::f64::consts::PI * emission_scale) as f32),
+                ..Material::default()
+            })
+            .collect();
+        let live = |m: u32| {
+            let m = &materials[m as usize];
+            m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
+        };
+
+        // Number planar pieces, cut live area into tiles.
+        let planes = planar_pieces(&kept, scene);
+        let pieces = planes.iter().max().map_or(0, |&m| m + 1);
+        let material_of = |i: usize| scene.faces[kept[i].0 as usize].material;
+        let area: f64 = (0..kept.len()).filter(|&i| live(material_of(i))).map(|i| kept[i].3).sum();
+        let total: f64 = kept.iter().map(|k| k.3).sum();
+        let tile_area = area.max(1e-3 * total) / TILES;
+        let (mut tris, mut source, mut areas, mut tile_tri) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for &i in &order {
+            let (face, corners, normal, tri_area) = kept[i];
+            let material = material_of(i);
+            let split = if live(material) { ((tri_area / tile_area).sqrt().ceil() as u32).clamp(1, MAX_SPLIT) } else { 1 };
+            let first_tile = tile_tri.len() as u32;
+            tile_tri.extend(std::iter::repeat_n(tris.len() as u32, (split * split) as usize));
+            tris.push(Tri {
+                v0: corners[0],
+                material,
+                v1: corners[1],
+                plane: planes[i],
+                v2: corners[2],
+                first_tile,
+                normal: normal.map(|x| x as f32),
+                split,
+            });
+            source.push(face);
+            areas.push(tri_area);
+        }
+
+        // Emitters are picked by power; a triangle's density is its share over its area.
+        let power = |t: usize| {
+            let e = materials[tris[t].material as usize].emit;
+            areas[t] * (e[0] + e[1] + e[2]) as f64
+        };
+        let shining: Vec<usize> = (0..tris.len()).filter(|&t| power(t) > 0.0).collect();
+        let all: f64 = shining.iter().map(|&t| power(t)).sum();
+        let mut sum = 0.0;
+        let emitters = shining
+            .iter()
+            .enumerate()
+            .map(|(k, &t)| {
+                sum += power(t);
+                let cdf = if k + 1 == shining.len() { u32::MAX } else { (sum / all * 4294967296.0).min(4294967295.0) as u32 };
+                Emitter { tri: t as u32, cdf, density: (power(t) / all / areas[t]) as f32, pad0: 0 }
+            })
+            .collect();
+
+        Ok(Geometry {
+            center,
+            scale,
+            emission_scale,
+            nodes,
+            tris,
+            source,
+            areas,
+            materials,
+            emitters,
+            tiles: tile_tri.len() as u32,
+            tile_tri,
+            area,
+            unit: (area.max(1e-3 * total) / 6.0).sqrt(),
+            pieces,
+            dropped: degenerate + duplicate,
+            warnings,
+        })
+    }
+
+    /// Area of a tile, local.
+    pub fn tile_area(&self, tile: usize) -> f64 {
+        let t = self.tile_tri[tile] as usize;
+        self.areas[t] / (self.tris[t].split as f64).powi(2)
+    }
+
+    /// Whether a triangle reflects or emits.
+    pub fn is_live(&self, tri: usize) -> bool {
+        let m = &self.materials[self.tris[tri].material as usize];
+        m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
+    }
+
+    /// World position to local.
+    pub fn to_local(&self, p: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|k| (p[k] - self.center[k]) * self.scale)
+    }
+}
+
+struct Bounds([[f32; 3]; 3]);
+
+impl obvhs::Boundable for Bounds {
+    fn aabb(&self) -> obvhs::aabb::Aabb {
+        let v = self.0.map(glam::Vec3A::from_array);
+        obvhs::aabb::Aabb { min: v[0].min(v[1]).min(v[2]), max: v[0].max(v[1]).max(v[2]) }
+    }
+}
+
+/// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
+/// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material.
+fn planar_pieces(kept: &[(u32, [[f32; 3]; 3], [f64; 3], f64)], scene: &Scene) -> Vec<u32> {
+    let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
+    let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
+    for (i, (_, c, ..)) in kept.iter().enumerate() {
+        for v in c {
+            at.entry(key(*v)).or_default().push(i as u32);
+        }
+    }
+    let mut plane = vec![NONE; kept.len()];
+    let mut pieces = 0;
+    let mut stack = Vec::new();
+    for i in 0..kept.len() {
+        if plane[i] != NONE {
+            continue;
+        }
+        let (face, corners, normal, _) = kept[i];
+        let material = scene.faces[face as usize].material;
+        let origin = corners[0].map(f64::from);
+        plane[i] = pieces;
+        stack.push(i);
+        while let Some(t) = stack.pop() {
+            for v in kept[t].1 {
+                for &o in &at[&key(v)] {
+                    let other = &kept[o as usize];
+                    let level = other.1.iter().all(|c| dot(sub(c.map(f64::from), origin), normal).abs() < 1e-6);
+                    if plane[o as usize] == NONE
+                        && scene.faces[other.0 as usize].material == material
+                        && dot(other.2, normal) > 1.0 - 1e-8
+                        && level
+                    {
+                        plane[o as usize] = pieces;
+                        stack.push(o as usize);
+                    }
+                }
+            }
+        }
+        pieces += 1;
+    }
+    plane
+}

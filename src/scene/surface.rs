@@ -1,0 +1,1 @@
+//! Looking up the surface at a given point (for queries).
