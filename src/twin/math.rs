@@ -75,6 +75,8 @@ pub fn kernel_g(x: Vec3, nx: Vec3, y: Vec3, ny: Vec3) -> f32 {
 /// First index whose cumulative value exceeds `u`, clamped to the last: inversion of a fixed-point
 /// distribution. `cdf(i)` must not decrease. Returns the index and the place within its interval, in [0, 1).
 pub fn invert_cdf(len: u32, cdf: impl Fn(u32) -> u32, u: u32) -> (u32, f32) {
+    // Empty intervals at the end share the last value: stay below it.
+    let u = u.min(u32::MAX - 1);
     let (mut low, mut high) = (0u32, len - 1);
     while low < high {
         let middle = (low + high) / 2;

@@ -1,6 +1,13 @@
 //! The plain-Rust twin of each GPU pass: slow, readable, and the oracle that tests hold the kernels against.
 
+pub mod accumulate;
+pub mod adapt;
+pub mod assign;
+pub mod direct;
 pub mod emit;
+pub mod fixed;
+pub mod kernel;
 pub mod math;
 pub mod sobol;
 pub mod trace;
+pub mod winner;
