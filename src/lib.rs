@@ -1,4 +1,5 @@
 //! raycell
+pub mod engine;
 pub mod error;
 pub mod layout;
 pub mod params;
