@@ -2,7 +2,9 @@
 pub mod engine;
 pub mod error;
 pub mod layout;
+pub mod network;
 pub mod params;
+pub mod progress;
 pub mod scene;
 pub mod twin;
 pub use error::{Error, Result};
