@@ -5,6 +5,7 @@ pub mod layout;
 pub mod network;
 pub mod params;
 pub mod progress;
+pub mod radiosity;
 pub mod scene;
 pub mod twin;
 pub use error::{Error, Result};

@@ -199,7 +199,6 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     for (i, n) in surface.nodes.iter().enumerate() {
         by_material[n.material as usize].push(i as u32);
     }
-    let boxes = BoxQuery::new(geometry);
     let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
         .into_par_iter()
         .map(|tile| {
@@ -233,12 +232,12 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
 
             // Nothing else near: no ray need be shot. Ask for all at once before asking for each.
             let nodes: Vec<&Node> = near.iter().map(|x| &surface.nodes[x.1 as usize]).collect();
-            let alone = boxes.is_free(geometry, &corners, n, tri.plane, &nodes);
+            let alone = is_free(geometry, &corners, n, tri.plane, &nodes);
             near.iter()
                 .zip(&nodes)
                 .map(|(x, node)| Candidate {
                     node: x.1,
-                    free: (alone || boxes.is_free(geometry, &corners, n, tri.plane, std::slice::from_ref(node))) as u32,
+                    free: (alone || is_free(geometry, &corners, n, tri.plane, std::slice::from_ref(node))) as u32,
                 })
                 .collect()
         })
@@ -261,56 +260,47 @@ pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
     })
 }
 
-/// Asks the hierarchy whether a box meets any triangle outside the planes in question.
-struct BoxQuery;
-
-impl BoxQuery {
-    fn new(_geometry: &Geometry) -> BoxQuery {
-        BoxQuery
-    }
-
-    /// Whether no triangle outside the planes of the tile and the nodes touches the box around all
-    /// lifted segments between them.
-    fn is_free(&self, geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes: &[&Node]) -> bool {
-        let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
-        let mut take = |v: Vec3| {
-            low = low.min(v);
-            high = high.max(v);
-        };
-        for node in nodes {
-            let q = Vec3::from(node.p);
-            for &c in corners {
-                let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
-                // Segments start at the lift, so the surface itself is not in the box.
-                take(c + n * lift);
-                take(q + Vec3::from(node.n) * lift);
-                take(c + n * 2e-6);
-                take(q + Vec3::from(node.n) * 2e-6);
-            }
+/// Whether no triangle outside the planes of the tile and the nodes touches the box around all
+/// lifted segments between them.
+fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes: &[&Node]) -> bool {
+    let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+    let mut take = |v: Vec3| {
+        low = low.min(v);
+        high = high.max(v);
+    };
+    for node in nodes {
+        let q = Vec3::from(node.p);
+        for &c in corners {
+            let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
+            // Segments start at the lift, so the surface itself is not in the box.
+            take(c + n * lift);
+            take(q + Vec3::from(node.n) * lift);
+            take(c + n * 2e-6);
+            take(q + Vec3::from(node.n) * 2e-6);
         }
-        let mut stack = vec![0u32];
-        while let Some(i) = stack.pop() {
-            let b = &geometry.nodes[i as usize];
-            if Vec3::from(b.max).cmplt(low).any() || Vec3::from(b.min).cmpgt(high).any() {
+    }
+    let mut stack = vec![0u32];
+    while let Some(i) = stack.pop() {
+        let b = &geometry.nodes[i as usize];
+        if Vec3::from(b.max).cmplt(low).any() || Vec3::from(b.min).cmpgt(high).any() {
+            continue;
+        }
+        if b.count == 0 {
+            stack.extend([b.first, b.first + 1]);
+            continue;
+        }
+        for t in &geometry.tris[b.first as usize..(b.first + b.count) as usize] {
+            if t.plane == plane || nodes.iter().all(|n| n.plane == t.plane) {
                 continue;
             }
-            if b.count == 0 {
-                stack.extend([b.first, b.first + 1]);
-                continue;
-            }
-            for t in &geometry.tris[b.first as usize..(b.first + b.count) as usize] {
-                if t.plane == plane || nodes.iter().all(|n| n.plane == t.plane) {
-                    continue;
-                }
-                let v = [t.v0, t.v1, t.v2].map(Vec3::from);
-                let (tl, th) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
-                if !(th.cmplt(low).any() || tl.cmpgt(high).any()) {
-                    return false;
-                }
+            let v = [t.v0, t.v1, t.v2].map(Vec3::from);
+            let (tl, th) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
+            if !(th.cmplt(low).any() || tl.cmpgt(high).any()) {
+                return false;
             }
         }
-        true
     }
+    true
 }
 
 /// Number of tiles' candidates that need a ray, for the report.
