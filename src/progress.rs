@@ -1,42 +1,71 @@
-//! What a bake tells its caller, and what the caller answers. The library itself never prints.
+//! How a bake tells what it is doing. The library never prints: a caller's closure gets [`Event`]s.
 
-/// Something worth telling while a bake runs.
+use crate::error::{Error, Result};
+
+/// What happened.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
-    /// A stage begins: "bvh", "train", "coefficients", "solve", "direct", "readout".
+    /// A stage began.
     Stage {
         /// Its name, as in the report's `seconds`.
         name: &'static str,
     },
-    /// Light rays shot so far in this stage.
+    /// Rays of the stage shot so far.
     Rays {
-        /// Rays shot.
+        /// Done.
         done: u64,
-        /// Rays the stage will shoot.
+        /// Of how many.
         total: u64,
     },
-    /// The network has grown.
+    /// The network's size.
     Cells {
         /// Cells now.
         count: u64,
     },
-    /// A Jacobi sweep has ended.
+    /// Jacobi sweeps done.
     Sweep {
-        /// Sweeps so far.
+        /// Sweeps.
         n: u32,
-        /// Relative residual.
+        /// Estimated relative distance from the fixed point.
         residual: f64,
     },
-    /// Something odd that does not stop the bake; also in the report's `warnings`.
+    /// Points of a read-out done.
+    Points {
+        /// Done.
+        done: u64,
+        /// Of how many.
+        total: u64,
+    },
+    /// Something the user should know.
     Warning(String),
 }
 
-/// The caller's answer to an [`Event`].
+/// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     /// Go on.
     Continue,
-    /// Stop as soon as possible; the call ends with [`crate::Error::Cancelled`].
+    /// Stop: the bake returns [`Error::Cancelled`].
     Stop,
+}
+
+/// A caller's closure, as the stages use it.
+pub struct Progress<'a> {
+    tell: &'a mut dyn FnMut(&Event) -> Flow,
+}
+
+impl<'a> Progress<'a> {
+    /// Wraps a closure.
+    pub fn new(tell: &'a mut dyn FnMut(&Event) -> Flow) -> Progress<'a> {
+        Progress { tell }
+    }
+
+    /// Tells an event. Errors: [`Error::Cancelled`] where the caller wants to stop.
+    pub fn event(&mut self, event: Event) -> Result<()> {
+        match (self.tell)(&event) {
+            Flow::Continue => Ok(()),
+            Flow::Stop => Err(Error::Cancelled),
+        }
+    }
 }

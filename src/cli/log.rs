@@ -65,16 +65,9 @@ impl Log {
             }
             Event::Rays { done, total } => {
                 self.rays = *done;
-                if let Some(bar) = &self.bar {
-                    if bar.length() != Some(*total) {
-                        bar.reset_elapsed();
-                        bar.reset_eta();
-                        bar.set_length(*total);
-                        bar.set_style(style("{spinner} {prefix} [{bar:30}] {pos}/{len} rays, {per_sec}, {eta} left {msg}"));
-                    }
-                    bar.set_position(*done);
-                }
+                self.advance(*done, *total, "rays");
             }
+            Event::Points { done, total } => self.advance(*done, *total, "points"),
             Event::Cells { count } => {
                 self.cells = *count;
                 self.message(format!("{count} cells"));
@@ -85,6 +78,19 @@ impl Log {
             }
             Event::Warning(text) => self.warning(text),
         }
+    }
+
+    fn advance(&self, done: u64, total: u64, unit: &str) {
+        let Some(bar) = &self.bar else { return };
+        if bar.length() != Some(total) {
+            bar.reset_elapsed();
+            bar.reset_eta();
+            bar.set_length(total);
+            bar.set_style(style(&format!(
+                "{{spinner}} {{prefix}} [{{bar:30}}] {{pos}}/{{len}} {unit}, {{per_sec}}, {{eta}} left {{msg}}"
+            )));
+        }
+        bar.set_position(done);
     }
 
     fn message(&self, text: String) {
