@@ -1,8 +1,8 @@
 //! Pictures: EXR holds linear radiance (W/m²/sr, Rec.709), PNG a tone-mapped look at it.
 
 use super::atomic;
-use crate::bake::Image;
 use crate::error::{Error, Result};
+use crate::solution::Image;
 use std::io::Cursor;
 use std::path::Path;
 

@@ -5,8 +5,8 @@
 //! `status`: `ok`, `covered` (dark by construction), or `off_surface`, whose number cells are empty.
 
 use super::atomic;
-use crate::bake::{Answer, Status, SurfacePoint};
 use crate::error::{Error, Result};
+use crate::solution::{Answer, Status, SurfacePoint};
 use std::path::Path;
 
 const IN: [&str; 6] = ["px", "py", "pz", "nx", "ny", "nz"];
