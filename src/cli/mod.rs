@@ -2,6 +2,7 @@
 
 mod flags;
 mod log;
+mod pending;
 mod run;
 
 use crate::error::Error;

@@ -2,16 +2,20 @@
 
 use super::flags::{self, Command};
 use super::log::Log;
-use crate::bake::{Backend, Camera, Solution, SurfacePoint, bake};
+#[allow(unused_imports)]
+use super::pending::Pending;
+use crate::bake::{Backend, bake};
 use crate::error::{Error, Result};
 use crate::output::{image, ply, points, report};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Flow};
 use crate::scene::Scene;
+use crate::solution::{Answer, Camera, Solution, Status, SurfacePoint};
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 pub fn run(command: Command) -> Result<()> {
     match command {
@@ -23,28 +27,32 @@ pub fn run(command: Command) -> Result<()> {
 }
 
 fn bake_scene(flags: flags::Bake) -> Result<()> {
+    let begin = Instant::now();
     let params = params(&flags.network)?;
     let camera = camera(&flags.camera)?;
     let points_in = flags.points.as_deref().map(points::read).transpose()?;
     let scene = Scene::load(&flags.scene)?;
+    let load = begin.elapsed();
     check_folder(&flags.output)?;
     let backend = open(&flags.device)?;
 
     let mut log = Log::new(flags.device.quiet);
-    let solution = solve(&backend, &scene, &params, &mut log)?;
+    let stop = interrupt();
+    let mut solution = bake(&backend, &scene, &params, &mut |event| heed(&mut log, &stop, event))?;
 
     // Everything is read out before the first file appears.
+    let begin_readout = Instant::now();
     log.event(&Event::Stage { name: "readout" });
-    let answers = points_in.as_ref().map(|p| solution.query(&backend, p)).transpose()?;
+    let answers =
+        points_in.as_ref().map(|p| solution.query_with(&backend, p, &mut |event| heed(&mut log, &stop, event))).transpose()?;
     let picture = camera.map(|c| solution.render(&backend, &c)).transpose()?;
     let mesh = flags.vertices.then(|| solution.vertices(&backend)).transpose()?;
     log.finish();
+    let readout = begin_readout.elapsed();
 
     let dir = &flags.output;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
     let wrote = |name: &str, note: &str| log.line(&format!("wrote {}{note}", dir.join(name).display()));
-    solution.save(&dir.join("solution.rcell"))?;
-    wrote("solution.rcell", "");
     if let (Some(p), Some(a)) = (&points_in, &answers) {
         points::write(&dir.join("points.csv"), p, a)?;
         wrote("points.csv", &off_surface(a));
@@ -59,6 +67,12 @@ fn bake_scene(flags: flags::Bake) -> Result<()> {
         let tone = image::write(&dir.join("picture.png"), picture, flags.camera.exposure)?;
         wrote("picture.png", &tone.map_or(String::new(), |t| format!(" ({t})")));
     }
+    solution.save(&dir.join("solution.rcell"))?;
+    wrote("solution.rcell", "");
+    let seconds = &mut solution.report_mut().seconds;
+    seconds.load = Some(load.as_secs_f64());
+    seconds.readout = Some(readout.as_secs_f64());
+    seconds.total = Some(begin.elapsed().as_secs_f64());
     report::write(&dir.join("report.json"), solution.report())?;
     wrote("report.json", "");
     Ok(())
@@ -70,7 +84,8 @@ fn query(flags: flags::Query) -> Result<()> {
     let backend = open(&flags.device)?;
     let mut log = Log::new(flags.device.quiet);
     log.event(&Event::Stage { name: "readout" });
-    let answers = solution.query(&backend, &points_in)?;
+    let stop = interrupt();
+    let answers = solution.query_with(&backend, &points_in, &mut |event| heed(&mut log, &stop, event))?;
     log.finish();
     points::write(&flags.output, &points_in, &answers)?;
     log.line(&format!("wrote {}{}", flags.output.display(), off_surface(&answers)));
@@ -97,7 +112,8 @@ fn render(flags: flags::Render) -> Result<()> {
         let params = params(&flags.network)?;
         let scene = Scene::load(&flags.input)?;
         let backend = open(&flags.device)?;
-        let solution = solve(&backend, &scene, &params, &mut log)?;
+        let stop = interrupt();
+        let solution = bake(&backend, &scene, &params, &mut |event| heed(&mut log, &stop, event))?;
         (backend, solution)
     };
     log.event(&Event::Stage { name: "readout" });
@@ -119,13 +135,10 @@ fn adapters(_flags: flags::Adapters) -> Result<()> {
     }
 }
 
-/// Bakes, showing progress and heeding Ctrl-C.
-fn solve(backend: &Backend, scene: &Scene, params: &Params, log: &mut Log) -> Result<Solution> {
-    let stop = interrupt();
-    bake(backend, scene, params, &mut |event| {
-        log.event(event);
-        if stop.load(Ordering::Relaxed) { Flow::Stop } else { Flow::Continue }
-    })
+/// Shows an event, and heeds Ctrl-C.
+fn heed(log: &mut Log, stop: &AtomicBool, event: &Event) -> Flow {
+    log.event(event);
+    if stop.load(Ordering::Relaxed) { Flow::Stop } else { Flow::Continue }
 }
 
 /// A flag that the first Ctrl-C raises; the second one ends the process.
@@ -173,8 +186,8 @@ fn check_folder(path: &Path) -> Result<()> {
     Ok(())
 }
 
-fn off_surface(answers: &[crate::bake::Answer]) -> String {
-    let n = answers.iter().filter(|a| a.status == crate::bake::Status::OffSurface).count();
+fn off_surface(answers: &[Answer]) -> String {
+    let n = answers.iter().filter(|a| a.status == Status::OffSurface).count();
     if n > 0 { format!(" ({n} of {} points are off every surface)", answers.len()) } else { String::new() }
 }
 
