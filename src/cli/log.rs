@@ -81,16 +81,16 @@ impl Log {
     }
 
     fn advance(&self, done: u64, total: u64, unit: &str) {
-        let Some(bar) = &self.bar else { return };
+        let (Some(bar), Some((_, since))) = (&self.bar, &self.stage) else { return };
         if bar.length() != Some(total) {
-            bar.reset_elapsed();
-            bar.reset_eta();
             bar.set_length(total);
-            bar.set_style(style(&format!(
-                "{{spinner}} {{prefix}} [{{bar:30}}] {{pos}}/{{len}} {unit}, {{per_sec}}, {{eta}} left {{msg}}"
-            )));
+            bar.set_style(style("{spinner} {prefix} [{bar:30}] {msg}"));
         }
         bar.set_position(done);
+        // Counted from the stage's beginning: the first event may come when much is done.
+        let rate = done as f64 / since.elapsed().as_secs_f64().max(1e-9);
+        let left = total.saturating_sub(done) as f64 / rate.max(1e-9);
+        self.message(format!("{done}/{total} {unit}, {rate:.0} {unit}/s, {left:.0} s left"));
     }
 
     fn message(&self, text: String) {

@@ -36,7 +36,10 @@ pub fn run() -> ExitCode {
     match run::run(flags.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {
-            log::error(&e.to_string());
+            match &e {
+                Error::Cancelled => log::error("interrupted; nothing was written"),
+                _ => log::error(&e.to_string()),
+            }
             exit_code(&e).into()
         }
     }
