@@ -1,0 +1,1 @@
+//! One file a GPU pass: what it binds and how it is dispatched, nothing else.
