@@ -53,7 +53,7 @@ fn buffers_hold_what_was_written() {
 #[test]
 fn too_large_a_buffer_is_a_typed_error() {
     let Some(gpu) = gpu() else { return };
-    let limit: u64 = gpu.device.limits().max_storage_buffer_binding_size.into();
+    let limit = gpu.device.limits().max_storage_buffer_binding_size;
     let e = gpu.alloc::<u64>("huge", limit as usize / 8 + 1).unwrap_err();
     assert!(matches!(e, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{e}");
     let short = gpu.alloc::<u32>("short", 3).unwrap();

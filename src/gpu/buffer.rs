@@ -53,7 +53,7 @@ impl Gpu {
         };
         let limits = self.device.limits();
         let need = (len as u64).saturating_mul(size_of::<T>() as u64);
-        let binding: u64 = limits.max_storage_buffer_binding_size.into();
+        let binding = limits.max_storage_buffer_binding_size;
         if need > binding {
             return Err(too_large("max_storage_buffer_binding_size", need, binding));
         }

@@ -32,7 +32,7 @@ pub struct Gpu {
 /// Storage buffers a kernel may bind.
 const STORAGE_BUFFERS: u32 = 8;
 /// Bytes a binding must be able to hold.
-const BINDING_BYTES: u32 = 128 << 20;
+const BINDING_BYTES: u64 = 128 << 20;
 /// Workgroups in a dimension.
 const GROUPS: u32 = 65_535;
 /// Invocations that a workgroup may have in core WebGPU.
@@ -48,7 +48,7 @@ impl Gpu {
     pub fn required_limits() -> wgpu::Limits {
         wgpu::Limits {
             max_storage_buffers_per_shader_stage: STORAGE_BUFFERS,
-            max_storage_buffer_binding_size: BINDING_BYTES.into(),
+            max_storage_buffer_binding_size: BINDING_BYTES,
             max_compute_invocations_per_workgroup: INVOCATIONS,
             max_compute_workgroup_size_x: INVOCATIONS,
             max_compute_workgroups_per_dimension: GROUPS,
