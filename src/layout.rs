@@ -191,3 +191,113 @@ pub struct Candidate {
     /// 1 where nothing can stand between the tile and the node, so that no ray need be shot.
     pub free: u32,
 }
+
+/// Running sums of a point's direct light, a round of samples a term (32 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct DirectSum {
+    /// Sum of the rounds' estimates of the direct irradiance D, W/m² scaled.
+    pub sum: [f32; 3],
+    /// Rounds so far.
+    pub rounds: u32,
+    /// Sum of the squares of the rounds' band means.
+    pub square: f32,
+    /// Padding.
+    pub pad0: [u32; 3],
+}
+
+/// A 64-bit two's-complement sum, as two words (8 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Fixed {
+    /// Lower word.
+    pub lo: u32,
+    /// Upper word.
+    pub hi: u32,
+}
+
+/// What a training epoch leaves in a cell: the sums of its rays' features and their squared
+/// distances to the cell, in units of 2^-32, and their number (128 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct CellSums {
+    /// Sums of the features' components.
+    pub feature: [Fixed; FEATURE_DIM],
+    /// Sum of squared distances to the cell: its resource.
+    pub distortion: Fixed,
+    /// Number of rays, in whole units of `lo`.
+    pub count: Fixed,
+    /// Padding.
+    pub pad0: Fixed,
+}
+
+/// One coefficient being summed: a node seen from a cell, in units of [`crate::twin::fixed::UNIT`] (32 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Slot {
+    /// Node index plus one; 0 where the slot is empty.
+    pub key: u32,
+    /// Padding.
+    pub pad0: u32,
+    /// Sum of w psi.
+    pub value: Fixed,
+    /// Sum of w psi (y - p) along the first tangent.
+    pub first: Fixed,
+    /// Sum of w psi (y - p) along the second tangent.
+    pub second: Fixed,
+}
+
+/// What a cell's rays carry as a whole, in units of [`crate::twin::fixed::UNIT`] (32 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct CellFlux {
+    /// Sum of w: the flux Phi.
+    pub flux: Fixed,
+    /// Sum of w s, a band each, where s is what the emitter end sends by itself.
+    pub source: [Fixed; 3],
+}
+
+/// What arrives around a node as a whole, in units of [`crate::twin::fixed::UNIT`] (64 bytes).
+/// Rays to the sky and to back faces count here too.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct NodeSums {
+    /// Sum of w psi: the mass m.
+    pub mass: Fixed,
+    /// First moments of w psi (y - p) along both tangents.
+    pub first: [Fixed; 2],
+    /// Second moments: 11, 12, 22.
+    pub second: [Fixed; 3],
+    /// Sum of n (w psi)^2, for the effective number of samples.
+    pub square: Fixed,
+    /// Padding.
+    pub pad0: Fixed,
+}
+
+/// A coefficient of the solve (16 bytes): between a cell and a node, value and tangential parts.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Link {
+    /// The node (in a cell's gather row) or the cell (in a node's deposit row).
+    pub other: u32,
+    /// a_ci or o_cj/m_j.
+    pub value: f32,
+    /// a'_ci or o'_cj/m_j along the first tangent.
+    pub first: f32,
+    /// The same along the second tangent.
+    pub second: f32,
+}
+
+/// The inverse of a node's ridged second moments (16 bytes): turns moments into a gradient.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Plane {
+    /// Element 11; all are 0 where the node has too few samples for a gradient.
+    pub i11: f32,
+    /// Element 12.
+    pub i12: f32,
+    /// Element 22.
+    pub i22: f32,
+    /// Material of the node.
+    pub material: u32,
+}

@@ -32,6 +32,8 @@ pub struct Geometry {
     pub materials: Vec<Material>,
     /// Emitting triangles with their cumulative distribution; empty where nothing emits.
     pub emitters: Vec<Emitter>,
+    /// Sampling density of an emitter per unit of its summed emission, per local area.
+    pub emitter_density: f32,
     /// Number of tiles.
     pub tiles: u32,
     /// Triangle of each tile.
@@ -203,7 +205,7 @@ impl Geometry {
         let shining: Vec<usize> = (0..tris.len()).filter(|&t| power(t) > 0.0).collect();
         let all: f64 = shining.iter().map(|&t| power(t)).sum();
         let mut sum = 0.0;
-        let emitters = shining
+        let emitters: Vec<Emitter> = shining
             .iter()
             .enumerate()
             .map(|(k, &t)| {
@@ -223,6 +225,7 @@ impl Geometry {
             areas,
             materials,
             emitters,
+            emitter_density: if all > 0.0 { (1.0 / all) as f32 } else { 0.0 },
             tiles: tile_tri.len() as u32,
             tile_tri,
             area,

@@ -1,0 +1,110 @@
+//! Pass `assign`: the nodes that speak for a surface point, by the four rules of design §1.4.
+
+use super::trace::segment_blocked;
+use crate::layout::{Candidate, NONE, Node, Point, Psi};
+use crate::scene::Geometry;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Nearest candidates that are looked at.
+pub const NEAREST: usize = 9;
+/// Normals must agree to this cosine.
+pub const CONE: f32 = 0.7;
+/// Share of the distance by which one point may lie off the other's plane.
+pub const PLANE: f32 = 0.3;
+/// The same in absolute terms, in units of L.
+pub const PLANE_FLOOR: f32 = 1e-3;
+/// The segment between both points is lifted along the normals by this share of their distance.
+pub const LIFT: f32 = 0.1;
+
+/// A surface network as the passes read it: nodes, and each tile's candidates in CSR form.
+///
+/// A tile's list holds every node of its material and cone that can be among the nearest nine of any
+/// point of the tile, so that the search over the list is exact.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// Nodes.
+    pub nodes: Vec<Node>,
+    /// Start of each tile's candidates; one more entry than tiles.
+    pub offsets: Vec<u32>,
+    /// Candidates of all tiles.
+    pub candidates: Vec<Candidate>,
+    /// 1/L, per local length.
+    pub inv_unit: f32,
+    /// Weight lambda of normals.
+    pub lambda: f32,
+}
+
+/// Squared distance in the metric (y/L, lambda n).
+pub fn distance2(surface: &Surface, p: Vec3, n: Vec3, node: &Node) -> f32 {
+    let d = (p - Vec3::from(node.p)) * surface.inv_unit;
+    let m = (n - Vec3::from(node.n)) * surface.lambda;
+    d.dot(d) + m.dot(m)
+}
+
+/// The weights of one point. Points without a triangle or a tile have none.
+pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
+    if point.tri == NONE || point.tile == NONE {
+        return Psi::EMPTY;
+    }
+    let tri = &geometry.tris[point.tri as usize];
+    let (p, n) = (Vec3::from(point.p), Vec3::from(tri.normal));
+
+    // Keep the nearest candidates in order; the earlier of two equals comes first.
+    let mut near = [(f32::MAX, Candidate { node: NONE, free: 0 }); NEAREST];
+    for c in surface.offsets[point.tile as usize]..surface.offsets[point.tile as usize + 1] {
+        let mut item = (
+            distance2(surface, p, n, &surface.nodes[surface.candidates[c as usize].node as usize]),
+            surface.candidates[c as usize],
+        );
+        for slot in near.iter_mut() {
+            if item.0 < slot.0 {
+                std::mem::swap(&mut item, slot);
+            }
+        }
+    }
+
+    // Take the first five that are compatible; the fifth only sets the radius.
+    let mut found = [(0.0f32, NONE); 5];
+    let mut count = 0;
+    for (d2, c) in near {
+        if c.node == NONE || count == 5 {
+            break;
+        }
+        let node = &surface.nodes[c.node as usize];
+        let (q, m) = (Vec3::from(node.p), Vec3::from(node.n));
+        let d = p - q;
+        let length = d.dot(d).sqrt();
+        let off = d.dot(m).abs().max(d.dot(n).abs());
+        if off * surface.inv_unit >= PLANE * length * surface.inv_unit + PLANE_FLOOR {
+            continue;
+        }
+        if c.free == 0 {
+            let lift = (LIFT * length).max(2e-6);
+            if segment_blocked(geometry, p + n * lift, q + m * lift, [tri.plane, node.plane]) {
+                continue;
+            }
+        }
+        found[count] = (d2, c.node);
+        count += 1;
+    }
+    if count == 0 {
+        return Psi { node: [near[0].1.node, NONE, NONE, NONE], weight: [0.0; 4] };
+    }
+    let radius2 = if count == 5 { found[4].0 } else { 2.25 * found[count - 1].0 }.max(1e-20);
+    let mut psi = Psi::EMPTY;
+    let mut sum = 0.0;
+    for k in 0..count.min(4) {
+        let t = (1.0 - found[k].0 / radius2).max(0.0) + 1e-6;
+        psi.node[k] = found[k].1;
+        psi.weight[k] = t * t;
+        sum += psi.weight[k];
+    }
+    psi.weight = psi.weight.map(|w| w / sum);
+    psi
+}
+
+/// The weights of many points.
+pub fn assign(geometry: &Geometry, surface: &Surface, points: &[Point]) -> Vec<Psi> {
+    points.par_iter().map(|p| weights(geometry, surface, p)).collect()
+}

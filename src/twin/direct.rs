@@ -1,0 +1,121 @@
+//! Pass `direct`: irradiance straight from emitters, by multiple importance sampling (design §1, step 7).
+//!
+//! `emitter` samples of the emitters' area and `cosine` directions a round, weighted by the balance
+//! heuristic: a sample at x with area density p and kernel G counts E G / (n_e p + n_c G), which never
+//! exceeds E / n_c, also where emitters touch receivers.
+
+use super::emit::first_hit;
+use super::math::{PI, cosine_direction, invert_cdf, kernel_g, seed_of, unit};
+use super::sobol::sobol4;
+use super::trace::{position, segment_blocked};
+use crate::layout::{DirectSum, NONE, Point, kind};
+use crate::scene::Geometry;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Samples of one round.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples {
+    /// On the emitters' area.
+    pub emitter: u32,
+    /// Cosine-distributed directions.
+    pub cosine: u32,
+}
+
+/// One round's estimate of D at a surface point.
+pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samples: Samples) -> Vec3 {
+    let here = &geometry.tris[tri as usize];
+    let n = Vec3::from(here.normal);
+    let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
+    let mut sum = Vec3::ZERO;
+    for k in round * samples.emitter..(round + 1) * samples.emitter {
+        // Sample the emitters' area.
+        let u = sobol4(k, seed);
+        let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
+        let emitter = geometry.emitters[e as usize];
+        let there = &geometry.tris[emitter.tri as usize];
+        let root = place.sqrt();
+        let v = unit(u[1]);
+        let x = position(there, root * (1.0 - v), root * v);
+        let g = kernel_g(x, Vec3::from(there.normal), p, n);
+        if g > 0.0 && there.plane != here.plane && !segment_blocked(geometry, p, x, [here.plane, there.plane]) {
+            sum += Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
+        }
+    }
+    for k in round * samples.cosine..(round + 1) * samples.cosine {
+        // Sample the cosine; only front faces of emitters count.
+        let u = sobol4(k, seed);
+        let direction = cosine_direction(n, unit(u[2]), unit(u[3]));
+        let (met, hit) = first_hit(geometry, tri, p, direction);
+        if met == kind::FRONT {
+            let there = &geometry.tris[hit.tri as usize];
+            let emit = Vec3::from(geometry.materials[there.material as usize].emit);
+            let total = emit.x + emit.y + emit.z;
+            if total > 0.0 {
+                let cos_y = n.dot(direction);
+                let cos_x = -Vec3::from(there.normal).dot(direction);
+                let g = (cos_x / hit.t) * (cos_y / hit.t) / PI;
+                sum += emit * (g / (ne * total * geometry.emitter_density + nc * g));
+            }
+        }
+    }
+    sum
+}
+
+/// Adds rounds `first..first + rounds` to the sums of the points listed in `active`.
+/// Points without a triangle are left alone. Each point has its own sequence, seeded by its index.
+pub fn direct(
+    geometry: &Geometry,
+    points: &[Point],
+    active: &[u32],
+    seed: u32,
+    first: u32,
+    rounds: u32,
+    samples: Samples,
+    sums: &mut [DirectSum],
+) {
+    if geometry.emitters.is_empty() {
+        for &i in active {
+            sums[i as usize].rounds += rounds;
+        }
+        return;
+    }
+    let updated: Vec<DirectSum> = active
+        .par_iter()
+        .map(|&i| {
+            let point = &points[i as usize];
+            let mut s = sums[i as usize];
+            if point.tri == NONE {
+                return s;
+            }
+            for r in first..first + rounds {
+                let d = round(geometry, point.tri, Vec3::from(point.p), seed_of(seed, i), r, samples);
+                let mean = (d.x + d.y + d.z) * (1.0 / 3.0);
+                s.sum = (Vec3::from(s.sum) + d).to_array();
+                s.square += mean * mean;
+                s.rounds += 1;
+            }
+            s
+        })
+        .collect();
+    for (&i, s) in active.iter().zip(updated) {
+        sums[i as usize] = s;
+    }
+}
+
+impl DirectSum {
+    /// The estimate of D so far.
+    pub fn mean(&self) -> [f32; 3] {
+        self.sum.map(|s| s / self.rounds.max(1) as f32)
+    }
+
+    /// Standard error of the band mean, from the scatter between rounds; infinite below two rounds.
+    pub fn standard_error(&self) -> f32 {
+        if self.rounds < 2 {
+            return f32::INFINITY;
+        }
+        let m = self.rounds as f32;
+        let mean = (self.sum[0] + self.sum[1] + self.sum[2]) / (3.0 * m);
+        ((self.square / m - mean * mean).max(0.0) / (m - 1.0)).sqrt()
+    }
+}

@@ -1,0 +1,18 @@
+//! The plain-Rust twin of each GPU pass: slow, readable, and the oracle that tests hold the kernels against.
+
+pub mod accumulate;
+pub mod adapt;
+pub mod assign;
+pub mod coefficients;
+pub mod direct;
+pub mod emit;
+pub mod fixed;
+pub mod gather;
+pub mod jacobi;
+pub mod kernel;
+pub mod math;
+pub mod readout;
+pub mod shoot;
+pub mod sobol;
+pub mod trace;
+pub mod winner;
