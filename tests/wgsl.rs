@@ -99,6 +99,14 @@ fn records_match() {
         ("Psi", layout!(layout::Psi { node, weight })),
         ("NodeLight", layout!(layout::NodeLight { h, pad0, g0, pad1, g1, pad2 })),
         ("Candidate", layout!(layout::Candidate { node, free })),
+        ("DirectSum", layout!(layout::DirectSum { sum, rounds, square, pad0 })),
+        ("Fixed", layout!(layout::Fixed { lo, hi })),
+        ("CellSums", layout!(layout::CellSums { feature, distortion, count, pad0 })),
+        ("Slot", layout!(layout::Slot { key, pad0, value, first, second })),
+        ("CellFlux", layout!(layout::CellFlux { flux, source })),
+        ("NodeSums", layout!(layout::NodeSums { mass, first, second, square, pad0 })),
+        ("Link", layout!(layout::Link { other, value, first, second })),
+        ("Plane", layout!(layout::Plane { i11, i12, i22, material })),
     ];
     for (name, rust) in &records {
         let wgsl = layout_of(&module, name).unwrap_or_else(|| panic!("{name} is missing in wgsl/lib/layout.wgsl"));
@@ -111,7 +119,30 @@ fn records_match() {
 
 #[test]
 fn parameters_match() {
-    let params = [("sentinel", layout!(raycell::gpu::sentinel::Params { base, count, trips, bits }))];
+    use raycell::pass;
+    let params = [
+        ("sentinel", layout!(raycell::gpu::sentinel::Params { base, count, trips, bits })),
+        ("emit", layout!(pass::emit::Params { base, count, flag, seed, first, total, tiles, pad0 })),
+        ("shoot", layout!(pass::shoot::Params { base, count, flag, seed, first, rays, pad0, pad1 })),
+        ("kernel", layout!(pass::kernel::Params { base, count, flag, pad0 })),
+        (
+            "direct",
+            layout!(pass::direct::Params {
+                base,
+                count,
+                flag,
+                seed,
+                first,
+                rounds,
+                emitter,
+                cosine,
+                emitters,
+                emitter_density,
+                pad0,
+                pad1
+            }),
+        ),
+    ];
     let listed: BTreeSet<&str> = params.iter().map(|(kernel, _)| *kernel).collect();
     assert_eq!(listed, KERNELS.iter().map(|(name, _)| *name).collect(), "a kernel's Params are not compared");
     for (kernel, rust) in params {

@@ -39,11 +39,9 @@ impl<T> GpuVec<T> {
     }
 }
 
-impl Gpu {
-    /// A vector of `len` zeroed elements.
-    ///
-    /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::Device`] where memory is short.
-    pub fn alloc<T: Pod>(&self, label: &'static str, len: usize) -> Result<GpuVec<T>> {
+impl<T: Pod> GpuVec<T> {
+    /// See [`Gpu::alloc`].
+    pub(super) fn allocate(device: &wgpu::Device, label: &'static str, len: usize) -> Result<GpuVec<T>> {
         let too_large = |limit, need, have| Error::Limit {
             what: format!("buffer '{label}' of {len} elements"),
             limit,
@@ -51,20 +49,20 @@ impl Gpu {
             have,
             cure: "use fewer rays, cells or nodes, or a device with larger buffers",
         };
-        let limits = self.device.limits();
+        let limits = device.limits();
         let need = (len as u64).saturating_mul(size_of::<T>() as u64);
-        let binding = limits.max_storage_buffer_binding_size;
-        if need > binding {
-            return Err(too_large("max_storage_buffer_binding_size", need, binding));
+        if need > limits.max_storage_buffer_binding_size {
+            return Err(too_large("max_storage_buffer_binding_size", need, limits.max_storage_buffer_binding_size));
         }
         if need > limits.max_buffer_size {
             return Err(too_large("max_buffer_size", need, limits.max_buffer_size));
         }
         let name = format!("raycell.{label}");
-        let buffer = self.scoped(
+        let buffer = super::scoped(
+            device,
             || format!("allocating {need} bytes for '{label}'"),
             || {
-                self.device.create_buffer(&wgpu::BufferDescriptor {
+                device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(&name),
                     size: need.next_multiple_of(4).max(MIN_BYTES),
                     usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
@@ -73,6 +71,15 @@ impl Gpu {
             },
         )?;
         Ok(GpuVec { buffer, len, label, of: PhantomData })
+    }
+}
+
+impl Gpu {
+    /// A vector of `len` zeroed elements.
+    ///
+    /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::Device`] where memory is short.
+    pub fn alloc<T: Pod>(&self, label: &'static str, len: usize) -> Result<GpuVec<T>> {
+        GpuVec::allocate(&self.device, label, len)
     }
 
     /// A vector with the contents of a slice. Errors: those of [`Gpu::alloc`].

@@ -27,6 +27,8 @@ pub struct Gpu {
     /// The host's queue.
     pub queue: wgpu::Queue,
     kernels: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
+    /// A flag a kernel, raised where a loop did not come to its end.
+    status: GpuVec<u32>,
 }
 
 /// Storage buffers a kernel may bind.
@@ -74,23 +76,55 @@ impl Gpu {
         if let Some(error) = lacking {
             return Err(error);
         }
-        let gpu = Gpu { device: device.clone(), queue: queue.clone(), kernels: Mutex::default() };
+        let (device, queue) = (device.clone(), queue.clone());
+        let status = GpuVec::allocate(&device, "status", wgsl::KERNELS.len())?;
+        let gpu = Gpu { device, queue, kernels: Mutex::default(), status };
         sentinel::check(&gpu)?;
         Ok(gpu)
+    }
+
+    /// The buffer of finished flags, to bind as `status`.
+    pub fn status(&self) -> &wgpu::Buffer {
+        self.status.buffer()
+    }
+
+    /// The place of a kernel in `status`, for its `params.flag`.
+    pub fn flag(&self, kernel: &Kernel) -> u32 {
+        wgsl::KERNELS.iter().position(|(name, _)| *name == kernel.name).unwrap_or(0) as u32
+    }
+
+    /// Waits, and says whether all that ran came to its end. Call it before results are trusted.
+    ///
+    /// Errors: [`Error::Unfinished`] naming the kernel, [`Error::Device`].
+    pub fn check_finished(&self) -> Result<()> {
+        let raised = self.read(&self.status)?;
+        match raised.iter().position(|&flag| flag != 0) {
+            None => Ok(()),
+            Some(k) => {
+                // The next run starts afresh.
+                self.clear(&self.status)?;
+                Err(Error::Unfinished { kernel: wgsl::KERNELS[k].0, why: "a loop was left early".into() })
+            }
+        }
     }
 
     /// Runs `work` within error scopes, so that its errors come back typed instead of reaching the
     /// host's handler.
     pub(crate) fn scoped<T>(&self, stage: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T> {
-        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
-        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let value = work();
-        // On native backends these futures are ready at once.
-        let errors = [validation.pop(), internal.pop(), memory.pop()].map(pollster::block_on);
-        match errors.into_iter().flatten().next() {
-            None => Ok(value),
-            Some(e) => Err(Error::Device { stage: stage(), why: e.to_string() }),
-        }
+        scoped(&self.device, stage, work)
+    }
+}
+
+/// [`Gpu::scoped`] without a [`Gpu`].
+pub(crate) fn scoped<T>(device: &wgpu::Device, stage: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T> {
+    let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
+    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let value = work();
+    // On native backends these futures are ready at once.
+    let errors = [validation.pop(), internal.pop(), memory.pop()].map(pollster::block_on);
+    match errors.into_iter().flatten().next() {
+        None => Ok(value),
+        Some(e) => Err(Error::Device { stage: stage(), why: e.to_string() }),
     }
 }

@@ -11,10 +11,10 @@ macro_rules! sources {
 }
 
 /// Kernels: name and source. Every `wgsl/*.wgsl` is listed; `tests/wgsl.rs` checks that.
-pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel"];
+pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "shoot", "kernel", "direct"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] = sources!["lib/": "fixed", "layout"];
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "surface"];
 
 /// A kernel with its imports.
 #[derive(Clone, Debug)]

@@ -81,3 +81,57 @@ struct Candidate {
     node: u32,
     free: u32, // 1: nothing can stand between
 }
+
+struct DirectSum {
+    sum: vec3<f32>, // of the rounds' estimates of D
+    rounds: u32,
+    square: f32, // sum of the squares of the rounds' band means
+    pad0: array<u32, 3>,
+}
+
+struct Fixed {
+    lo: u32,
+    hi: u32,
+}
+
+struct CellSums {
+    feature: array<Fixed, 13>,
+    distortion: Fixed,
+    count: Fixed,
+    pad0: Fixed,
+}
+
+struct Slot {
+    key: u32, // node + 1; 0: empty
+    pad0: u32,
+    value: Fixed,
+    first: Fixed,
+    second: Fixed,
+}
+
+struct CellFlux {
+    flux: Fixed,
+    source: array<Fixed, 3>,
+}
+
+struct NodeSums {
+    mass: Fixed,
+    first: array<Fixed, 2>,
+    second: array<Fixed, 3>,
+    square: Fixed,
+    pad0: Fixed,
+}
+
+struct Link {
+    other: u32,
+    value: f32,
+    first: f32,
+    second: f32,
+}
+
+struct Plane {
+    i11: f32,
+    i12: f32,
+    i22: f32,
+    material: u32,
+}
