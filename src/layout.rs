@@ -143,8 +143,8 @@ pub struct Node {
 
 /// The interpolation weights psi of a point: at most four compatible nodes (32 bytes).
 ///
-/// An *orphan* has no compatible node: all weights are 0, and `node[0]` names the nearest node whose
-/// normal agrees, or [`NONE`].
+/// An *orphan* has no compatible node: all weights are 0, and `node[0]` names the nearest node in sight
+/// whose normal and material agree, or [`NONE`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Psi {

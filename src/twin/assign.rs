@@ -42,6 +42,14 @@ pub fn distance2(surface: &Surface, p: Vec3, n: Vec3, node: &Node) -> f32 {
     d.dot(d) + m.dot(m)
 }
 
+/// Whether the segment from a point to a node, lifted along both normals, is free.
+fn in_sight(geometry: &Geometry, p: Vec3, n: Vec3, plane: u32, node: &Node) -> bool {
+    let (q, m) = (Vec3::from(node.p), Vec3::from(node.n));
+    let d = p - q;
+    let lift = (LIFT * d.dot(d).sqrt()).max(2e-6);
+    !segment_blocked(geometry, p + n * lift, q + m * lift, [plane, node.plane])
+}
+
 /// The weights of one point. Points without a triangle or a tile have none.
 pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
     if point.tri == NONE || point.tile == NONE {
@@ -72,29 +80,36 @@ pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
             break;
         }
         let node = &surface.nodes[c.node as usize];
-        let (q, m) = (Vec3::from(node.p), Vec3::from(node.n));
-        let d = p - q;
+        let d = p - Vec3::from(node.p);
         let length = d.dot(d).sqrt();
-        let off = d.dot(m).abs().max(d.dot(n).abs());
+        let off = d.dot(Vec3::from(node.n)).abs().max(d.dot(n).abs());
         if off * surface.inv_unit >= PLANE * length * surface.inv_unit + PLANE_FLOOR {
             continue;
         }
-        if c.free == 0 {
-            let lift = (LIFT * length).max(2e-6);
-            if segment_blocked(geometry, p + n * lift, q + m * lift, [tri.plane, node.plane]) {
-                continue;
-            }
+        if c.free == 0 && !in_sight(geometry, p, n, tri.plane, node) {
+            continue;
         }
         found[count] = (d2, c.node);
         count += 1;
     }
     if count == 0 {
-        return Psi { node: [near[0].1.node, NONE, NONE, NONE], weight: [0.0; 4] };
+        // An orphan names the nearest node in sight, whatever its plane.
+        let mut psi = Psi::EMPTY;
+        for (_, c) in near {
+            if c.node == NONE || psi.node[0] != NONE {
+                break;
+            }
+            if c.free == 1 || in_sight(geometry, p, n, tri.plane, &surface.nodes[c.node as usize]) {
+                psi.node[0] = c.node;
+            }
+        }
+        return psi;
     }
     let radius2 = if count == 5 { found[4].0 } else { 2.25 * found[count - 1].0 }.max(1e-20);
     let mut psi = Psi::EMPTY;
     let mut sum = 0.0;
     for k in 0..count.min(4) {
+        // The small term keeps the sum positive where all five are equally far.
         let t = (1.0 - found[k].0 / radius2).max(0.0) + 1e-6;
         psi.node[k] = found[k].1;
         psi.weight[k] = t * t;

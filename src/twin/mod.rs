@@ -6,6 +6,7 @@ pub mod assign;
 pub mod coefficients;
 pub mod direct;
 pub mod emit;
+pub mod engine;
 pub mod fixed;
 pub mod gather;
 pub mod jacobi;
@@ -16,3 +17,5 @@ pub mod shoot;
 pub mod sobol;
 pub mod trace;
 pub mod winner;
+
+pub use engine::TwinEngine;

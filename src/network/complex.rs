@@ -1,0 +1,177 @@
+//! The cells' topology: a simplicial complex of triangles (k = 2), after growing cell structures
+//! (Fritzke 1994): insertion splits an edge with all its simplices, deletion keeps what still holds.
+
+/// Triangles over cells, with the inverse table.
+#[derive(Clone, Debug, Default)]
+pub struct Complex {
+    simplices: Vec<[u32; 3]>,
+    of_cell: Vec<Vec<u32>>,
+}
+
+impl Complex {
+    /// One triangle over cells 0, 1, 2.
+    pub fn triangle() -> Complex {
+        Complex { simplices: vec![[0, 1, 2]], of_cell: vec![vec![0]; 3] }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.of_cell.len()
+    }
+
+    /// The simplices.
+    pub fn simplices(&self) -> &[[u32; 3]] {
+        &self.simplices
+    }
+
+    /// Cells that share an edge with `cell`, ascending.
+    pub fn neighbours(&self, cell: u32) -> Vec<u32> {
+        let mut n: Vec<u32> =
+            self.of_cell[cell as usize].iter().flat_map(|&s| self.simplices[s as usize]).filter(|&c| c != cell).collect();
+        n.sort_unstable();
+        n.dedup();
+        n
+    }
+
+    /// All neighbourhoods in CSR form.
+    pub fn adjacency(&self) -> (Vec<u32>, Vec<u32>) {
+        let (mut offsets, mut all) = (vec![0], Vec::new());
+        for c in 0..self.cells() as u32 {
+            all.extend(self.neighbours(c));
+            offsets.push(all.len() as u32);
+        }
+        (offsets, all)
+    }
+
+    /// Splits the edge (q, f): a new cell in its middle, every simplex that holds the edge becomes two.
+    /// Returns the new cell. The edge must exist.
+    pub fn split(&mut self, q: u32, f: u32) -> u32 {
+        let new = self.of_cell.len() as u32;
+        self.of_cell.push(Vec::new());
+        let sharing: Vec<u32> =
+            self.of_cell[q as usize].iter().copied().filter(|&s| self.simplices[s as usize].contains(&f)).collect();
+        debug_assert!(!sharing.is_empty(), "({q}, {f}) is no edge");
+        for s in sharing {
+            // The old simplex keeps q, its copy keeps f; both get the new cell.
+            let copy = self.simplices.len() as u32;
+            let old = self.simplices[s as usize];
+            self.simplices.push(old.map(|c| if c == q { new } else { c }));
+            self.simplices[s as usize] = old.map(|c| if c == f { new } else { c });
+            self.of_cell[f as usize].retain(|&x| x != s);
+            self.of_cell[f as usize].push(copy);
+            self.of_cell[new as usize].extend([s, copy]);
+            for c in old {
+                if c != q && c != f {
+                    self.of_cell[c as usize].push(copy);
+                }
+            }
+        }
+        new
+    }
+
+    /// Deletes the cells marked, every simplex that holds one, and cells left without a simplex.
+    /// Refuses (returns `None`, nothing changed) where no simplex would be left.
+    /// Returns for each old cell its new index.
+    pub fn delete(&mut self, doomed: &[bool]) -> Option<Vec<Option<u32>>> {
+        let kept: Vec<[u32; 3]> = self.simplices.iter().copied().filter(|s| s.iter().all(|&c| !doomed[c as usize])).collect();
+        if kept.is_empty() {
+            return None;
+        }
+        let mut used = vec![false; self.cells()];
+        for c in kept.iter().flatten() {
+            used[*c as usize] = true;
+        }
+        let mut next = 0;
+        let map: Vec<Option<u32>> = used
+            .iter()
+            .map(|&u| {
+                u.then(|| {
+                    next += 1;
+                    next - 1
+                })
+            })
+            .collect();
+        self.simplices = kept.into_iter().map(|s| s.map(|c| map[c as usize].unwrap_or(0))).collect();
+        self.of_cell = vec![Vec::new(); next as usize];
+        for (i, s) in self.simplices.iter().enumerate() {
+            for &c in s {
+                self.of_cell[c as usize].push(i as u32);
+            }
+        }
+        Some(map)
+    }
+
+    /// Checks every invariant: at least k + 1 cells, distinct corners, every cell in a simplex, both
+    /// tables agree. Errors name the first violation.
+    pub fn check(&self) -> Result<(), String> {
+        if self.cells() < 3 {
+            return Err(format!("{} cells are fewer than a simplex has", self.cells()));
+        }
+        for (i, s) in self.simplices.iter().enumerate() {
+            if s[0] == s[1] || s[1] == s[2] || s[0] == s[2] {
+                return Err(format!("simplex {i} {s:?} repeats a cell"));
+            }
+            for &c in s {
+                if c as usize >= self.cells() || !self.of_cell[c as usize].contains(&(i as u32)) {
+                    return Err(format!("cell {c} does not list its simplex {i}"));
+                }
+            }
+        }
+        for (c, list) in self.of_cell.iter().enumerate() {
+            if list.is_empty() {
+                return Err(format!("cell {c} is in no simplex"));
+            }
+            if let Some(s) = list.iter().find(|&&s| !self.simplices[s as usize].contains(&(c as u32))) {
+                return Err(format!("cell {c} lists simplex {s}, which does not hold it"));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invariants_hold_through_random_insertions_and_deletions() {
+        let mut state = 1u32;
+        let mut random = |n: usize| {
+            state = crate::twin::math::hash(state.wrapping_add(1));
+            state as usize % n
+        };
+        let mut complex = Complex::triangle();
+        for step in 0..3_000 {
+            let cells = complex.cells();
+            if step % 3 < 2 {
+                let q = random(cells) as u32;
+                let n = complex.neighbours(q);
+                let f = n[random(n.len())];
+                let new = complex.split(q, f);
+                assert!(complex.neighbours(new).contains(&q) && !complex.neighbours(q).contains(&f), "the edge is split");
+            } else {
+                let mut doomed = vec![false; cells];
+                doomed[random(cells)] = true;
+                let before = complex.cells();
+                match complex.delete(&doomed) {
+                    Some(map) => assert_eq!(map.iter().flatten().count(), complex.cells()),
+                    None => assert_eq!(complex.cells(), before, "a refusal changes nothing"),
+                }
+            }
+            complex.check().unwrap_or_else(|e| panic!("step {step}: {e}"));
+        }
+        let (offsets, all) = complex.adjacency();
+        for c in 0..complex.cells() as u32 {
+            for &n in &all[offsets[c as usize] as usize..offsets[c as usize + 1] as usize] {
+                assert!(complex.neighbours(n).contains(&c), "adjacency is symmetric");
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_simplex_is_never_deleted() {
+        let mut complex = Complex::triangle();
+        assert!(complex.delete(&[true, false, false]).is_none());
+        assert_eq!((complex.cells(), complex.check()), (3, Ok(())));
+    }
+}

@@ -1,0 +1,5 @@
+//! The host's part of both networks: the cells' topology and growth, the nodes of the surface.
+
+pub mod complex;
+pub mod growth;
+pub mod nodes;

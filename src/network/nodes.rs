@@ -1,0 +1,310 @@
+//! The surface network: nodes on live surface points, and each tile's candidates (design §1, step 4).
+
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::{Candidate, NONE, Node, Point};
+use crate::scene::Geometry;
+use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
+use crate::twin::math::{invert_cdf, unit};
+use crate::twin::sobol::sobol4;
+use crate::twin::trace::{place_in_tile, surface_point};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Training points a node.
+const POINTS_PER_NODE: usize = 24;
+/// Iterations of k-means.
+const ITERATIONS: usize = 6;
+/// Rounds in which orphans get nodes.
+const ORPHAN_ROUNDS: usize = 3;
+/// Orphaned training points that make one new node.
+const POINTS_PER_ORPHAN_NODE: usize = 8;
+/// Most nodes a round of orphans may add, as a share of the rest.
+const ORPHAN_SHARE: f64 = 0.12;
+/// Rays that tell whether a training point is dead.
+pub const DEAD_PROBES: u32 = 12;
+
+/// A training point in the nodes' metric: (p/L, lambda n).
+type Place = [f32; 6];
+
+fn place(geometry: &Geometry, point: &Point, lambda: f32) -> Place {
+    let n = geometry.tris[point.tri as usize].normal;
+    let inv = 1.0 / geometry.unit as f32;
+    [point.p[0] * inv, point.p[1] * inv, point.p[2] * inv, n[0] * lambda, n[1] * lambda, n[2] * lambda]
+}
+
+fn distance2(a: &Place, b: &Place) -> f32 {
+    let mut sum = 0.0;
+    for k in 0..6 {
+        sum += (a[k] - b[k]) * (a[k] - b[k]);
+    }
+    sum
+}
+
+/// Index of the centre nearest to a place; ties to the lowest.
+fn nearest(centres: &[Place], p: &Place) -> usize {
+    let mut best = (f32::MAX, 0);
+    for (i, c) in centres.iter().enumerate() {
+        let d = distance2(c, p);
+        if d < best.0 {
+            best = (d, i);
+        }
+    }
+    best.1
+}
+
+/// k-means over places, started from every n-th: the indices of the places nearest to the centres.
+fn k_means(places: &[Place], count: usize) -> Vec<usize> {
+    if places.is_empty() || count == 0 {
+        return Vec::new();
+    }
+    let count = count.min(places.len());
+    let mut centres: Vec<Place> = (0..count).map(|i| places[(2 * i + 1) * places.len() / (2 * count)]).collect();
+    let mut of: Vec<usize> = Vec::new();
+    for _ in 0..ITERATIONS {
+        of = places.par_iter().map(|p| nearest(&centres, p)).collect();
+        let mut sums = vec![([0.0f64; 6], 0.0f64); count];
+        for (p, &c) in places.iter().zip(&of) {
+            for k in 0..6 {
+                sums[c].0[k] += p[k] as f64;
+            }
+            sums[c].1 += 1.0;
+        }
+        for (centre, (sum, n)) in centres.iter_mut().zip(sums) {
+            if n > 0.0 {
+                *centre = sum.map(|s| (s / n) as f32);
+            }
+        }
+    }
+    // A node is a real surface point: the member nearest to the centre.
+    let mut best = vec![(f32::MAX, usize::MAX); count];
+    for (i, (p, &c)) in places.iter().zip(&of).enumerate() {
+        let d = distance2(p, &centres[c]);
+        if d < best[c].0 {
+            best[c] = (d, i);
+        }
+    }
+    best.into_iter().map(|b| b.1).filter(|&i| i != usize::MAX).collect()
+}
+
+/// Draws `count` surface points with the given weight per tile (0: never), in the order of tiles.
+pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32) -> Vec<Point> {
+    let total: f64 = weight.iter().sum();
+    if total <= 0.0 {
+        return Vec::new();
+    }
+    let mut sum = 0.0;
+    let cdf: Vec<u32> = weight
+        .iter()
+        .map(|w| {
+            sum += w;
+            if sum >= total * (1.0 - 1e-12) { u32::MAX } else { (sum / total * 4294967296.0) as u32 }
+        })
+        .collect();
+    let mut samples: Vec<[u32; 4]> = (0..count).map(|i| sobol4(i, seed)).collect();
+    samples.sort_unstable();
+    samples
+        .into_iter()
+        .map(|u| {
+            let (tile, at) = invert_cdf(cdf.len() as u32, |t| cdf[t as usize], u[0]);
+            let tri = geometry.tile_tri[tile as usize];
+            let t = &geometry.tris[tri as usize];
+            let (b1, b2) = place_in_tile(t.split, tile - t.first_tile, at, unit(u[1]));
+            surface_point(geometry, tri, b1, b2)
+        })
+        .collect()
+}
+
+/// Which of the points are dead: no front face in sight, back faces in a quarter of all directions.
+pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32) -> Result<Vec<bool>> {
+    let mut dead = Vec::with_capacity(points.len());
+    for chunk in points.chunks(32_768) {
+        let batch = engine.upload(chunk)?;
+        let hits = engine.shoot(&batch, seed, 0, DEAD_PROBES)?;
+        dead.extend(engine.gather(&hits, DEAD_PROBES, false, false)?.iter().map(|g| g.front == 0.0 && g.back >= 0.25));
+    }
+    Ok(dead)
+}
+
+/// Places about `count` nodes with density `density` (per area, a number each tile), then more where
+/// points find no compatible node. The surface is left set on the engine.
+pub fn place_nodes<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    density: &[f64],
+    count: usize,
+    lambda: f32,
+    seed: u32,
+) -> Result<Surface> {
+    // Only what reflects needs nodes; emitters that do not are read as B = E.
+    let weight: Vec<f64> = (0..geometry.tiles as usize)
+        .map(|t| {
+            let rho = geometry.materials[geometry.tris[geometry.tile_tri[t] as usize].material as usize].rho;
+            if rho.iter().any(|&r| r > 0.0) { density[t] * geometry.tile_area(t) } else { 0.0 }
+        })
+        .collect();
+    let points = sample_points(geometry, &weight, (count * POINTS_PER_NODE) as u32, seed);
+    let dead = dead_points(engine, &points, seed ^ 0xdead)?;
+    let points: Vec<Point> = points.into_iter().zip(dead).filter(|(_, d)| !d).map(|(p, _)| p).collect();
+    let places: Vec<Place> = points.iter().map(|p| place(geometry, p, lambda)).collect();
+
+    // Each material has its own share of the nodes.
+    let mut surface = Surface { inv_unit: (1.0 / geometry.unit) as f32, lambda, ..Surface::default() };
+    let all: Vec<usize> = (0..points.len()).collect();
+    add_nodes(geometry, &mut surface, &points, &places, &all, count);
+    find_candidates(geometry, &mut surface);
+    engine.set_surface(&surface)?;
+
+    // Orphans get nodes of their own.
+    for _ in 0..ORPHAN_ROUNDS {
+        let mut orphans = Vec::new();
+        for (start, chunk) in points.chunks(65_536).enumerate() {
+            let mut batch = engine.upload(chunk)?;
+            engine.assign(&mut batch)?;
+            let psi = engine.psi(&batch)?;
+            orphans.extend(psi.iter().enumerate().filter(|(_, s)| s.is_orphan()).map(|(i, _)| start * 65_536 + i));
+        }
+        let more =
+            orphans.len().div_ceil(POINTS_PER_ORPHAN_NODE).min((ORPHAN_SHARE * surface.nodes.len() as f64).ceil() as usize);
+        if more == 0 {
+            break;
+        }
+        add_nodes(geometry, &mut surface, &points, &places, &orphans, more);
+        find_candidates(geometry, &mut surface);
+        engine.set_surface(&surface)?;
+    }
+    Ok(surface)
+}
+
+/// Adds about `count` nodes at the k-means of the chosen points, material by material.
+fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], places: &[Place], chosen: &[usize], count: usize) {
+    for material in 0..geometry.materials.len() as u32 {
+        let members: Vec<usize> =
+            chosen.iter().copied().filter(|&i| geometry.tris[points[i].tri as usize].material == material).collect();
+        let share = (count as f64 * members.len() as f64 / chosen.len().max(1) as f64).ceil() as usize;
+        let own: Vec<Place> = members.iter().map(|&i| places[i]).collect();
+        for i in k_means(&own, share) {
+            let p = &points[members[i]];
+            let tri = &geometry.tris[p.tri as usize];
+            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, ..Node::default() });
+        }
+    }
+}
+
+/// Lists for every tile the nodes that can be among the nearest of any of its points, and marks those
+/// that nothing can hide.
+pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
+    let (inv, lambda) = (surface.inv_unit, surface.lambda);
+    let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
+    for (i, n) in surface.nodes.iter().enumerate() {
+        by_material[n.material as usize].push(i as u32);
+    }
+    let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
+        .into_par_iter()
+        .map(|tile| {
+            let t = geometry.tile_tri[tile];
+            let tri = &geometry.tris[t as usize];
+            let own = &by_material[tri.material as usize];
+            if own.is_empty() {
+                return Vec::new();
+            }
+            let corners = tile_corners(geometry, tile as u32);
+            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let radius = corners.iter().map(|c| (*c - centre).length()).fold(0.0, f32::max) * inv;
+            let n = Vec3::from(tri.normal);
+            let mut near: Vec<(f32, u32)> = own
+                .iter()
+                .filter(|&&i| Vec3::from(surface.nodes[i as usize].n).dot(n) > CONE)
+                .map(|&i| {
+                    let node = &surface.nodes[i as usize];
+                    let d = (centre - Vec3::from(node.p)) * inv;
+                    let m = (n - Vec3::from(node.n)) * lambda;
+                    ((d.dot(d) + m.dot(m)).sqrt(), i)
+                })
+                .collect();
+            if near.len() > NEAREST {
+                // No point of the tile lies farther than `radius` from its centre.
+                near.select_nth_unstable_by(NEAREST - 1, |a, b| a.0.total_cmp(&b.0));
+                let reach = (near[NEAREST - 1].0 + 2.0 * radius) * (1.0 + 1e-5);
+                near.retain(|x| x.0 <= reach);
+            }
+            near.sort_unstable_by_key(|x| x.1);
+
+            // Nothing else near: no ray need be shot. Ask for all at once before asking for each.
+            let nodes: Vec<&Node> = near.iter().map(|x| &surface.nodes[x.1 as usize]).collect();
+            let alone = is_free(geometry, &corners, n, tri.plane, &nodes);
+            near.iter()
+                .zip(&nodes)
+                .map(|(x, node)| Candidate {
+                    node: x.1,
+                    free: (alone || is_free(geometry, &corners, n, tri.plane, std::slice::from_ref(node))) as u32,
+                })
+                .collect()
+        })
+        .collect();
+    surface.offsets = vec![0];
+    surface.candidates.clear();
+    for row in rows {
+        surface.candidates.extend(row);
+        surface.offsets.push(surface.candidates.len() as u32);
+    }
+}
+
+/// The corners of a tile.
+pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
+    let t = &geometry.tris[geometry.tile_tri[tile as usize] as usize];
+    // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
+    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
+        let (b1, b2) = place_in_tile(t.split, tile - t.first_tile, a, b);
+        crate::twin::trace::position(t, b1, b2)
+    })
+}
+
+/// Whether no triangle outside the planes of the tile and the nodes touches the box around all
+/// lifted segments between them.
+fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes: &[&Node]) -> bool {
+    let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+    let mut take = |v: Vec3| {
+        low = low.min(v);
+        high = high.max(v);
+    };
+    for node in nodes {
+        let q = Vec3::from(node.p);
+        for &c in corners {
+            let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
+            // Segments start at the lift, so the surface itself is not in the box.
+            take(c + n * lift);
+            take(q + Vec3::from(node.n) * lift);
+            take(c + n * 2e-6);
+            take(q + Vec3::from(node.n) * 2e-6);
+        }
+    }
+    let mut stack = vec![0u32];
+    while let Some(i) = stack.pop() {
+        let b = &geometry.nodes[i as usize];
+        if Vec3::from(b.max).cmplt(low).any() || Vec3::from(b.min).cmpgt(high).any() {
+            continue;
+        }
+        if b.count == 0 {
+            stack.extend([b.first, b.first + 1]);
+            continue;
+        }
+        for t in &geometry.tris[b.first as usize..(b.first + b.count) as usize] {
+            if t.plane == plane || nodes.iter().all(|n| n.plane == t.plane) {
+                continue;
+            }
+            let v = [t.v0, t.v1, t.v2].map(Vec3::from);
+            let (tl, th) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
+            if !(th.cmplt(low).any() || tl.cmpgt(high).any()) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// Number of tiles' candidates that need a ray, for the report.
+pub fn guarded_share(surface: &Surface) -> f64 {
+    let guarded = surface.candidates.iter().filter(|c| c.free == 0 && c.node != NONE).count();
+    guarded as f64 / surface.candidates.len().max(1) as f64
+}

@@ -1,0 +1,71 @@
+//! How a bake tells what it is doing. The library never prints: a caller's closure gets [`Event`]s.
+
+use crate::error::{Error, Result};
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Event {
+    /// A stage began.
+    Stage {
+        /// Its name, as in the report's `seconds`.
+        name: &'static str,
+    },
+    /// Rays of the stage shot so far.
+    Rays {
+        /// Done.
+        done: u64,
+        /// Of how many.
+        total: u64,
+    },
+    /// The network's size.
+    Cells {
+        /// Cells now.
+        count: u64,
+    },
+    /// Jacobi sweeps done.
+    Sweep {
+        /// Sweeps.
+        n: u32,
+        /// Estimated relative distance from the fixed point.
+        residual: f64,
+    },
+    /// Points of a read-out done.
+    Points {
+        /// Done.
+        done: u64,
+        /// Of how many.
+        total: u64,
+    },
+    /// Something the user should know.
+    Warning(String),
+}
+
+/// Whether to go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Go on.
+    Continue,
+    /// Stop: the bake returns [`Error::Cancelled`].
+    Stop,
+}
+
+/// A caller's closure, as the stages use it.
+pub struct Progress<'a> {
+    tell: &'a mut dyn FnMut(&Event) -> Flow,
+}
+
+impl<'a> Progress<'a> {
+    /// Wraps a closure.
+    pub fn new(tell: &'a mut dyn FnMut(&Event) -> Flow) -> Progress<'a> {
+        Progress { tell }
+    }
+
+    /// Tells an event. Errors: [`Error::Cancelled`] where the caller wants to stop.
+    pub fn event(&mut self, event: Event) -> Result<()> {
+        match (self.tell)(&event) {
+            Flow::Continue => Ok(()),
+            Flow::Stop => Err(Error::Cancelled),
+        }
+    }
+}

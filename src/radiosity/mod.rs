@@ -1,0 +1,5 @@
+//! From the cells' footprints to a linear system, and its solution.
+
+pub mod coefficients;
+pub mod components;
+pub mod solver;

@@ -1,0 +1,106 @@
+//! The Jacobi iteration to a stated distance from its fixed point.
+
+use crate::engine::Engine;
+use crate::error::{Error, Result};
+use crate::layout::NodeLight;
+use crate::progress::{Event, Progress};
+use crate::scene::Geometry;
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Solved {
+    /// Sweeps done.
+    pub sweeps: u32,
+    /// Last change between sweeps, relative to the largest irradiance.
+    pub residual: f64,
+    /// Measured contraction factor of the iteration.
+    pub contraction: f64,
+    /// Bound on the relative distance from the fixed point: residual * factor / (1 - factor).
+    pub error_bound: f64,
+}
+
+/// Sweeps between looks at the residual.
+const STRIDE: u32 = 8;
+
+fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
+    let (mut change, mut size) = (0.0f64, 0.0f64);
+    for (x, y) in a.iter().zip(b) {
+        for k in 0..3 {
+            change = change.max((x.h[k] as f64 - y.h[k] as f64).abs());
+            size = size.max((y.h[k] as f64).abs());
+        }
+    }
+    (change, size)
+}
+
+/// Solves the system set on the engine, from zero, until the distance from the fixed point is below
+/// `tolerance` times the largest irradiance. "Small steps" alone are false convergence (hard case
+/// E02): the step is divided by 1 - the measured factor.
+///
+/// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
+pub fn solve<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    nodes: usize,
+    tolerance: f64,
+    max_sweeps: u32,
+    progress: &mut Progress,
+    names: &[String],
+) -> Result<(Vec<NodeLight>, Solved)> {
+    let mut light = vec![NodeLight::default(); nodes];
+    let mut solved = Solved::default();
+    let mut last_change = f64::NAN;
+    let mut grew = 0;
+    while solved.sweeps < max_sweeps {
+        // Sweep, with the last step by itself so that its change can be seen.
+        let before = engine.jacobi(&light, STRIDE - 1)?;
+        light = engine.jacobi(&before, 1)?;
+        solved.sweeps += STRIDE;
+        let (change, size) = norms(&before, &light);
+        if !change.is_finite() || !size.is_finite() {
+            return Err(Error::NotFinite { what: "the solution".into() });
+        }
+        if size == 0.0 {
+            solved = Solved { sweeps: solved.sweeps, ..Solved::default() };
+            return Ok((light, solved));
+        }
+        solved.residual = change / size;
+        // f32 carries no more than this; a stuck last digit is not divergence.
+        let floor = 4.0 * f32::EPSILON as f64;
+        if last_change.is_finite() && last_change > 0.0 && change > 0.0 {
+            let factor = (change / last_change).powf(1.0 / STRIDE as f64);
+            if solved.residual > floor {
+                solved.contraction = factor;
+                grew = if factor >= 1.0 { grew + 1 } else { 0 };
+            }
+            if grew >= 6 {
+                let (max_rho, material) = max_reflectance(geometry);
+                return Err(Error::NotContractive {
+                    factor,
+                    max_rho,
+                    material: names.get(material).cloned().unwrap_or_default(),
+                });
+            }
+        }
+        last_change = change;
+        let factor = solved.contraction.clamp(0.0, 0.999_999);
+        solved.error_bound = solved.residual.max(f32::EPSILON as f64) * factor / (1.0 - factor);
+        progress.event(Event::Sweep { n: solved.sweeps, residual: solved.error_bound })?;
+        if solved.sweeps >= 2 * STRIDE && (solved.error_bound < tolerance || solved.residual <= floor) {
+            break;
+        }
+    }
+    Ok((light, solved))
+}
+
+fn max_reflectance(geometry: &Geometry) -> (f64, usize) {
+    let mut best = (0.0, 0);
+    for (i, m) in geometry.materials.iter().enumerate() {
+        for r in m.rho {
+            if r as f64 > best.0 {
+                best = (r as f64, i);
+            }
+        }
+    }
+    best
+}
