@@ -142,6 +142,33 @@ fn parameters_match() {
                 pad1
             }),
         ),
+        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, pad0, pad1, pad2 })),
+        ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
+        ("winner", layout!(pass::winner::Params { base, count, flag, start, features, first, end, pad0 })),
+        ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),
+        ("adapt", layout!(pass::adapt::Params { base, count, flag, eta })),
+        (
+            "coefficients",
+            layout!(pass::coefficients::Params {
+                base,
+                count,
+                flag,
+                first,
+                end,
+                slots,
+                masses,
+                normalise,
+                rays,
+                pad0,
+                pad1,
+                pad2
+            }),
+        ),
+        ("flux", layout!(pass::coefficients::FluxParams { base, count, exact, normalise })),
+        ("beta", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
+        ("update", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
+        ("readout", layout!(pass::readout::Params { base, count, pad0, pad1 })),
+        ("gather", layout!(pass::gather::Params { base, count, flag, rays, first, end, lit, exact })),
     ];
     let listed: BTreeSet<&str> = params.iter().map(|(kernel, _)| *kernel).collect();
     assert_eq!(listed, KERNELS.iter().map(|(name, _)| *name).collect(), "a kernel's Params are not compared");

@@ -4,8 +4,10 @@ use super::Gpu;
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use std::marker::PhantomData;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Fewest bytes allocated, so that an empty vector still binds.
+/// Fewest bytes allocated; and never less than an element, so that an empty vector still binds.
 const MIN_BYTES: u64 = 16;
 
 /// A vector on the device. Cloning clones the handle, not the data.
@@ -15,6 +17,21 @@ pub struct GpuVec<T> {
     len: usize,
     label: &'static str,
     of: PhantomData<T>,
+    /// Counts the bytes as long as any clone lives.
+    _held: Arc<Held>,
+}
+
+/// Bytes that count in [`Gpu::device_bytes`] while this lives.
+#[derive(Debug)]
+struct Held {
+    bytes: u64,
+    total: Arc<AtomicU64>,
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.total.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
 }
 
 impl<T> GpuVec<T> {
@@ -41,7 +58,7 @@ impl<T> GpuVec<T> {
 
 impl<T: Pod> GpuVec<T> {
     /// See [`Gpu::alloc`].
-    pub(super) fn allocate(device: &wgpu::Device, label: &'static str, len: usize) -> Result<GpuVec<T>> {
+    pub(super) fn allocate(device: &wgpu::Device, total: &Arc<AtomicU64>, label: &'static str, len: usize) -> Result<GpuVec<T>> {
         let too_large = |limit, need, have| Error::Limit {
             what: format!("buffer '{label}' of {len} elements"),
             limit,
@@ -64,22 +81,29 @@ impl<T: Pod> GpuVec<T> {
             || {
                 device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(&name),
-                    size: need.next_multiple_of(4).max(MIN_BYTES),
+                    size: need.next_multiple_of(4).max(MIN_BYTES).max(size_of::<T>() as u64),
                     usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                     mapped_at_creation: false,
                 })
             },
         )?;
-        Ok(GpuVec { buffer, len, label, of: PhantomData })
+        total.fetch_add(buffer.size(), Ordering::Relaxed);
+        let held = Arc::new(Held { bytes: buffer.size(), total: total.clone() });
+        Ok(GpuVec { buffer, len, label, of: PhantomData, _held: held })
     }
 }
 
 impl Gpu {
+    /// Bytes that vectors hold on the device now.
+    pub fn device_bytes(&self) -> u64 {
+        self.bytes.load(Ordering::Relaxed)
+    }
+
     /// A vector of `len` zeroed elements.
     ///
     /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::Device`] where memory is short.
     pub fn alloc<T: Pod>(&self, label: &'static str, len: usize) -> Result<GpuVec<T>> {
-        GpuVec::allocate(&self.device, label, len)
+        GpuVec::allocate(&self.device, &self.bytes, label, len)
     }
 
     /// A vector with the contents of a slice. Errors: those of [`Gpu::alloc`].

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub const MAX_CHUNK: u32 = 65_535 * WORKGROUP;
 /// Items in a dispatch of a kernel whose invocations trace rays or search cells: short enough for a
 /// watchdog of two seconds on a slow device.
-pub const HEAVY: u32 = 1 << 16;
+pub const HEAVY: u32 = 1 << 18;
 /// Items in a dispatch of a kernel whose invocations do a few dozen operations.
 pub const LIGHT: u32 = 1 << 20;
 

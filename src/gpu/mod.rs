@@ -17,6 +17,7 @@ pub use kernel::{Access, Kernel, Pipeline};
 
 use crate::error::{Error, Result};
 use std::collections::HashMap;
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 
 /// A device, its queue, and the kernels compiled for it.
@@ -29,6 +30,8 @@ pub struct Gpu {
     kernels: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
+    /// Bytes that vectors hold on the device.
+    bytes: Arc<AtomicU64>,
 }
 
 /// Storage buffers a kernel may bind.
@@ -77,8 +80,9 @@ impl Gpu {
             return Err(error);
         }
         let (device, queue) = (device.clone(), queue.clone());
-        let status = GpuVec::allocate(&device, "status", wgsl::KERNELS.len())?;
-        let gpu = Gpu { device, queue, kernels: Mutex::default(), status };
+        let bytes = Arc::default();
+        let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len())?;
+        let gpu = Gpu { device, queue, kernels: Mutex::default(), status, bytes };
         sentinel::check(&gpu)?;
         Ok(gpu)
     }

@@ -7,7 +7,7 @@ use crate::layout::{DirectSum, Point};
 use crate::twin::direct::Samples;
 
 /// Rays that an invocation may shoot in a dispatch, unless a single round takes more.
-const RAYS: u32 = 32;
+const RAYS: u32 = 16;
 
 params!(
     /// Parameters of `wgsl/direct.wgsl`.

@@ -3,15 +3,28 @@
 //! The functions take and give vectors that stay on the device, and do not wait. Before results are
 //! trusted, [`Gpu::check_finished`] tells whether every kernel came to its end.
 
+pub mod accumulate;
+pub mod adapt;
+pub mod assign;
+pub mod coefficients;
 pub mod direct;
 pub mod emit;
+pub mod engine;
+pub mod feature;
+pub mod gather;
+pub mod jacobi;
 pub mod kernel;
+pub mod readout;
 pub mod shoot;
+pub mod winner;
+
+pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, GpuVec};
-use crate::layout::{BvhNode, Emitter, Material, Tri};
+use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
 use crate::scene::Geometry;
+use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
 
 /// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.
@@ -70,6 +83,34 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
+        })
+    }
+}
+
+/// A surface network on the device.
+#[derive(Clone, Debug)]
+pub struct SurfaceBuffers {
+    /// Nodes.
+    pub nodes: GpuVec<Node>,
+    /// Start of each tile's candidates.
+    pub offsets: GpuVec<u32>,
+    /// Candidates of all tiles.
+    pub candidates: GpuVec<Candidate>,
+    /// 1/L, per local length.
+    pub inv_unit: f32,
+    /// Weight of normals.
+    pub lambda: f32,
+}
+
+impl SurfaceBuffers {
+    /// Uploads a surface network.
+    pub fn new(gpu: &Gpu, surface: &Surface) -> Result<SurfaceBuffers> {
+        Ok(SurfaceBuffers {
+            nodes: gpu.upload("surface nodes", &surface.nodes)?,
+            offsets: gpu.upload("candidate offsets", &surface.offsets)?,
+            candidates: gpu.upload("candidates", &surface.candidates)?,
+            inv_unit: surface.inv_unit,
+            lambda: surface.lambda,
         })
     }
 }
