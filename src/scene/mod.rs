@@ -6,6 +6,7 @@ mod surface;
 
 pub use geometry::Geometry;
 pub use obj::load_obj;
+pub use surface::Located;
 
 use crate::error::{Error, Result};
 use std::path::Path;

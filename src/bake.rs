@@ -1,0 +1,557 @@
+//! The bake: the one place that knows the order of the passes (design §1).
+//!
+//! 1. Table direct light on tiles; start rays where it has to be carried on.
+//! 2. Pilot network: a coarse solution that says where light goes.
+//! 3. Full network: rays by importance, nodes where light changes quickly, cells grown on the rays.
+//! 4. Read the cells as coefficients, solve, account for every watt.
+
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::{DirectSum, NONE, NodeLight, Point, Tile, kind};
+use crate::network::{growth, nodes};
+use crate::output::report::{Energy, Report, SceneReport, Seconds, SolverReport};
+use crate::params::{Direct, Params};
+use crate::progress::{Event, Flow, Progress};
+use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::{coefficients, solver};
+use crate::scene::{Geometry, Scene};
+use crate::solution::Solution;
+use crate::twin::TwinEngine;
+use crate::twin::assign::Surface;
+use crate::twin::direct::Samples;
+use crate::twin::math::seed_of;
+use crate::twin::winner::{Feature, Metric};
+use std::collections::HashMap;
+use std::time::Instant;
+
+/// What a bake runs on.
+#[derive(Clone)]
+#[non_exhaustive]
+pub enum Backend {
+    /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
+    Cpu,
+}
+
+/// Rays of the pilot network.
+const PILOT_RAYS: u32 = 65_536;
+/// Cells of the pilot network.
+const PILOT_CELLS: u32 = 512;
+/// Nodes of the pilot network.
+const PILOT_NODES: usize = 400;
+/// Rays in a batch.
+pub const BATCH: u32 = 65_536;
+/// Nodes per square root of rays.
+const NODES_PER_ROOT: f64 = 1.4;
+/// Planar pieces beyond which each gets a node.
+const PIECES: u32 = 200;
+/// Rays from emitters in the energy account.
+const EMISSION_RAYS: u32 = 65_536;
+
+/// The random sequences of a bake; each is a hash of the seed and its number.
+#[derive(Clone, Copy)]
+pub(crate) enum Stream {
+    TileDirect = 1,
+    TilePlace,
+    PilotNodes,
+    PilotRays,
+    PilotEnds,
+    Nodes,
+    Rays,
+    Ends,
+    Emission,
+    PointDirect,
+    PointProbe,
+    PointGather,
+    HitDirect,
+}
+
+pub(crate) fn stream(seed: u32, which: Stream) -> u32 {
+    seed_of(seed, which as u32)
+}
+
+/// A trained and solved network.
+pub(crate) struct Network<E: Engine> {
+    pub surface: Surface,
+    pub light: Vec<NodeLight>,
+    pub cells: Vec<Feature>,
+    pub coefficients: coefficients::Coefficients,
+    pub solved: solver::Solved,
+    pub training: growth::Training,
+    batches: Vec<E::Batch>,
+}
+
+/// What a network is trained on.
+struct Stage<'a> {
+    rays: u32,
+    cells: u32,
+    nodes: usize,
+    tiles: &'a [Tile],
+    brightness: &'a [f64],
+    density: &'a [f64],
+    seeds: [u32; 3],
+}
+
+/// Wall time a stage, added up.
+#[derive(Default)]
+pub(crate) struct Clock {
+    pub seconds: HashMap<&'static str, f64>,
+}
+
+impl Clock {
+    /// Runs `work` as part of stage `name`.
+    pub fn time<E: Engine, T>(
+        &mut self,
+        engine: &mut E,
+        name: &'static str,
+        work: impl FnOnce(&mut E) -> Result<T>,
+    ) -> Result<T> {
+        let start = Instant::now();
+        let out = work(engine)?;
+        engine.finish()?;
+        *self.seconds.entry(name).or_default() += start.elapsed().as_secs_f64();
+        Ok(out)
+    }
+
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.seconds.get(name).copied()
+    }
+}
+
+/// Bakes a scene: trains the network, solves for the light.
+///
+/// Blocks until done; `progress` hears what happens and may stop it. Errors: those of
+/// [`Scene::check`] and [`Params::check`], of the device, [`crate::Error::NotContractive`],
+/// [`crate::Error::Cancelled`].
+pub fn bake(backend: &Backend, scene: &Scene, params: &Params, progress: &mut dyn FnMut(&Event) -> Flow) -> Result<Solution> {
+    params.check()?;
+    let mut progress = Progress::new(progress);
+    progress.event(Event::Stage { name: "bvh" })?;
+    let start = Instant::now();
+    let geometry = Geometry::new(scene)?;
+    let bvh = start.elapsed().as_secs_f64();
+    for w in scene.warnings.iter().chain(&geometry.warnings) {
+        progress.event(Event::Warning(w.clone()))?;
+    }
+    let mut solution = match backend {
+        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, &mut progress)?,
+    };
+    let report = solution.report_mut();
+    report.seconds.bvh = Some(bvh);
+    report.seconds.total = Some(start.elapsed().as_secs_f64());
+    Ok(solution)
+}
+
+/// The order of the passes, on any engine.
+fn run<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    progress: &mut Progress,
+) -> Result<Solution> {
+    let mut clock = Clock::default();
+    let exact = params.direct == Direct::Exact;
+    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+
+    // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
+    progress.event(Event::Stage { name: "train" })?;
+    let places = tile_places(geometry, stream(params.seed, Stream::TilePlace));
+    let direct = clock.time(engine, "direct", |engine| tile_direct(engine, &places, stream(params.seed, Stream::TileDirect)))?;
+    let sent: Vec<[f64; 3]> = (0..places.len())
+        .map(|t| {
+            let m = material(geometry, &places[t]);
+            let d = direct[t].mean();
+            [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
+        })
+        .collect();
+
+    // Pilot: where does light go?
+    let uniform = vec![1.0; geometry.tiles as usize];
+    let first: Vec<f64> = sent.iter().map(mean).collect();
+    let pilot = network(
+        engine,
+        geometry,
+        params,
+        &Stage {
+            rays: PILOT_RAYS.min(params.rays),
+            cells: PILOT_CELLS,
+            nodes: PILOT_NODES,
+            tiles: &start_tiles(geometry, &first, params.alpha),
+            brightness: &first,
+            density: &uniform,
+            seeds: [Stream::PilotNodes, Stream::PilotRays, Stream::PilotEnds].map(|s| stream(params.seed, s)),
+        },
+        &mut clock,
+        progress,
+        &names,
+    )?;
+
+    // Importance: what each tile sends in the pilot's light.
+    let carried: Vec<f64> = clock.time(engine, "train", |engine| {
+        engine.set_light(&pilot.light)?;
+        let mut h = Vec::new();
+        for chunk in places.chunks(BATCH as usize) {
+            let mut batch = engine.upload(chunk)?;
+            engine.assign(&mut batch)?;
+            engine.readout(&mut batch)?;
+            h.extend(engine.irradiance(&batch)?);
+        }
+        Ok((0..places.len())
+            .map(|t| {
+                let rho = material(geometry, &places[t]).rho;
+                mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[t][k]) as f64))
+            })
+            .collect())
+    })?;
+    let count = params.nodes.map_or_else(
+        || {
+            (NODES_PER_ROOT * (params.rays as f64).sqrt()) as usize
+                + if geometry.pieces > PIECES { geometry.pieces as usize } else { 0 }
+        },
+        |n| n as usize,
+    );
+    let density = clock.time(engine, "train", |engine| node_density(engine, geometry, &pilot.batches, &carried, count))?;
+    drop(pilot);
+
+    // The full network.
+    let full = network(
+        engine,
+        geometry,
+        params,
+        &Stage {
+            rays: params.rays,
+            cells: params.cells(),
+            nodes: count,
+            tiles: &start_tiles(geometry, &carried, params.alpha),
+            brightness: &carried,
+            density: &density,
+            seeds: [Stream::Nodes, Stream::Rays, Stream::Ends].map(|s| stream(params.seed, s)),
+        },
+        &mut clock,
+        progress,
+        &names,
+    )?;
+    let mut full = full;
+    let energy = clock.time(engine, "energy", |engine| account(engine, geometry, params, &mut full))?;
+
+    let mut report = Report {
+        raycell: env!("CARGO_PKG_VERSION").into(),
+        scene: SceneReport { path: scene.name.clone(), triangles: geometry.tris.len() as u64, dropped: geometry.dropped as u64 },
+        seed: params.seed,
+        params: params.clone(),
+        cells: full.coefficients.system.source.len() as u64,
+        nodes: full.surface.nodes.len() as u64,
+        coefficients: full.coefficients.stored,
+        rays: params.rays as u64,
+        seconds: Seconds {
+            compile: Some(engine.compile_seconds()),
+            train: clock.get("train"),
+            coefficients: clock.get("coefficients"),
+            solve: clock.get("solve"),
+            direct: clock.get("direct"),
+            ..Seconds::default()
+        },
+        solver: SolverReport {
+            method: "jacobi".into(),
+            sweeps: full.solved.sweeps as u64,
+            residual: Some(full.solved.residual),
+            error_bound: Some(full.solved.error_bound),
+        },
+        energy,
+        warnings: scene.warnings.iter().chain(&geometry.warnings).cloned().collect(),
+        ..Report::default()
+    };
+    report.memory_bytes.device = Some(engine.device_bytes());
+    let train = clock.get("train").unwrap_or(0.0).max(1e-9);
+    for (key, value) in [
+        ("rays_per_second", serde_json::json!(params.rays as f64 / train)),
+        ("epochs", serde_json::json!(full.training.epochs)),
+        ("cells_deleted", serde_json::json!(full.training.deleted)),
+        ("contraction", serde_json::json!(full.solved.contraction)),
+        ("dropped_coefficient_mass", serde_json::json!(full.coefficients.dropped)),
+        ("planar_pieces", serde_json::json!(geometry.pieces)),
+        ("emission_scale", serde_json::json!(geometry.emission_scale)),
+        ("seconds_energy", serde_json::json!(clock.get("energy"))),
+    ] {
+        report.extra.insert(key.into(), value);
+    }
+    Ok(Solution::new(
+        scene.clone(),
+        geometry.clone(),
+        params.clone(),
+        full.surface,
+        full.light,
+        full.cells,
+        &full.coefficients,
+        report,
+    ))
+}
+
+fn mean(x: &[f64; 3]) -> f64 {
+    (x[0] + x[1] + x[2]) / 3.0
+}
+
+fn material<'a>(geometry: &'a Geometry, point: &Point) -> &'a crate::layout::Material {
+    &geometry.materials[geometry.tris[point.tri as usize].material as usize]
+}
+
+/// A random point of every tile.
+fn tile_places(geometry: &Geometry, seed: u32) -> Vec<Point> {
+    use crate::twin::{math::unit, sobol::sobol4, trace};
+    (0..geometry.tiles)
+        .map(|t| {
+            let tri = geometry.tile_tri[t as usize];
+            let r = &geometry.tris[tri as usize];
+            let u = sobol4(t, seed);
+            let (b1, b2) = trace::place_in_tile(r.split, t - r.first_tile, unit(u[0]), unit(u[1]));
+            // The tile is known; rounding must not move the point to its neighbour.
+            Point { tile: t, kind: kind::FRONT, ..trace::surface_point(geometry, tri, b1, b2) }
+        })
+        .collect()
+}
+
+/// A first estimate of direct light at every tile's point.
+fn tile_direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32) -> Result<Vec<DirectSum>> {
+    let mut sums = Vec::new();
+    for (i, chunk) in places.chunks(BATCH as usize).enumerate() {
+        let mut batch = engine.upload(chunk)?;
+        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, 2, Samples { emitter: 6, cosine: 2 })?;
+        sums.extend(engine.direct_sums(&batch)?);
+    }
+    Ok(sums)
+}
+
+/// Start densities p = (1 - alpha)/A + alpha q over the live area, q proportional to `wanted` (a
+/// number each tile, per area). Uniform where nothing is wanted.
+fn start_tiles(geometry: &Geometry, wanted: &[f64], alpha: f64) -> Vec<Tile> {
+    let live = |t: usize| geometry.is_live(geometry.tile_tri[t] as usize);
+    let total: f64 = (0..wanted.len()).filter(|&t| live(t)).map(|t| wanted[t] * geometry.tile_area(t)).sum();
+    let alpha = if total > 0.0 { alpha } else { 0.0 };
+    let density: Vec<f64> = (0..wanted.len())
+        .map(|t| match live(t) {
+            true => (1.0 - alpha) / geometry.area + if total > 0.0 { alpha * wanted[t] / total } else { 0.0 },
+            false => 0.0,
+        })
+        .collect();
+    tiles_of(geometry, &density)
+}
+
+/// A fixed-point cumulative distribution from densities that integrate to 1.
+fn tiles_of(geometry: &Geometry, density: &[f64]) -> Vec<Tile> {
+    let mut sum = 0.0;
+    let last = density.iter().rposition(|&d| d > 0.0).unwrap_or(0);
+    density
+        .iter()
+        .enumerate()
+        .map(|(t, &d)| {
+            sum += d * geometry.tile_area(t);
+            Tile { cdf: if t >= last { u32::MAX } else { (sum * 4294967296.0).min(4294967295.0) as u32 }, density: d as f32 }
+        })
+        .collect()
+}
+
+/// Trains and solves one network.
+fn network<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    params: &Params,
+    stage: &Stage,
+    clock: &mut Clock,
+    progress: &mut Progress,
+    names: &[String],
+) -> Result<Network<E>> {
+    let exact = params.direct == Direct::Exact;
+    let [node_seed, ray_seed, end_seed] = stage.seeds;
+
+    // Place the nodes.
+    let mut surface = clock.time(engine, "nodes", |engine| {
+        nodes::place_nodes(engine, geometry, stage.density, stage.nodes, params.lambda as f32, node_seed)
+    })?;
+
+    // Shoot all rays, find what both ends see of the emitters and which nodes speak for them.
+    let area: f64 = (0..geometry.tiles as usize).map(|t| geometry.tile_area(t)).sum();
+    let rms =
+        ((0..stage.brightness.len()).map(|t| stage.brightness[t].powi(2) * geometry.tile_area(t)).sum::<f64>() / area).sqrt();
+    let brightness: Vec<f32> = stage.brightness.iter().map(|b| if rms > 0.0 { (b / rms) as f32 } else { 0.0 }).collect();
+    let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda: params.lambda as f32, mu: params.mu as f32 };
+    let mut batches = Vec::new();
+    for first in (0..stage.rays).step_by(BATCH as usize) {
+        let count = BATCH.min(stage.rays - first);
+        let mut batch = clock.time(engine, "train", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
+        if exact {
+            let samples = Samples { emitter: params.end_samples, cosine: 1 };
+            clock.time(engine, "direct", |engine| engine.direct(&mut batch, None, seed_of(end_seed, first), 0, 1, samples))?;
+        }
+        clock.time(engine, "assign", |engine| engine.assign(&mut batch))?;
+        clock.time(engine, "train", |engine| engine.feature(&mut batch, metric, &brightness))?;
+        batches.push(batch);
+        progress.event(Event::Rays { done: (first + count) as u64, total: stage.rays as u64 })?;
+    }
+
+    // Grow the cells, then let every ray find its own.
+    let batch_points = 2 * BATCH.min(stage.rays) as usize;
+    let (cells, complex, training) =
+        clock.time(engine, "grow", |engine| growth::grow(engine, &mut batches, batch_points, stage.cells as usize, progress))?;
+    drop(complex);
+    clock.time(engine, "winner", |engine| {
+        for (i, batch) in batches.iter_mut().enumerate() {
+            let points = 2 * BATCH.min(stage.rays - i as u32 * BATCH) as usize;
+            engine.winner(batch, 0..points, &cells)?;
+        }
+        Ok(())
+    })?;
+
+    // Rooms that see nothing of each other get cells of their own.
+    let cell_count = clock.time(engine, "coefficients", |engine| {
+        let mut components = Components::new(surface.nodes.len());
+        let mut seen = Vec::new();
+        for batch in &batches {
+            let (points, psi) = (engine.points(batch)?, engine.psi(batch)?);
+            components.join(&points, &psi);
+            seen.push((points, psi));
+        }
+        let mut splitter = Splitter::new(cells.len());
+        for (batch, (points, psi)) in batches.iter_mut().zip(seen) {
+            let mut winners = engine.winners(batch)?;
+            if splitter.split(&mut components, &points, &psi, &mut winners) {
+                engine.set_winners(batch, &winners)?;
+            }
+        }
+        Ok(splitter.cells())
+    })?;
+
+    // Read the cells as coefficients, and solve.
+    progress.event(Event::Stage { name: "coefficients" })?;
+    let built = clock.time(engine, "coefficients", |engine| {
+        // All rays together weigh 2 A / (1 - alpha) at most.
+        let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
+        let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count)?;
+        Ok(coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, stage.rays as f64))
+    })?;
+    progress.event(Event::Stage { name: "solve" })?;
+    let (light, solved) = clock.time(engine, "solve", |engine| {
+        engine.set_surface(&surface)?;
+        engine.set_system(&built.system)?;
+        solver::solve(engine, geometry, surface.nodes.len(), params.tolerance, params.max_sweeps, progress, names)
+    })?;
+    Ok(Network { surface, light, cells, coefficients: built, solved, training, batches })
+}
+
+/// Node density of each tile: .2 + .8 g^(2/3), g = <rho B / d^2> from the pilot's rays. Slots, and walls
+/// beside lights, where irradiance changes over short distances, get more nodes.
+fn node_density<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    batches: &[E::Batch],
+    carried: &[f64],
+    nodes: usize,
+) -> Result<Vec<f64>> {
+    let spacing = (geometry.area / nodes.max(1) as f64).sqrt();
+    let mut g = vec![0.0; geometry.tiles as usize];
+    for batch in batches {
+        for ray in engine.points(batch)?.chunks_exact(2) {
+            if ray[0].kind != kind::FRONT {
+                continue;
+            }
+            let d: f64 = (0..3).map(|k| (ray[0].p[k] as f64 - ray[1].p[k] as f64).powi(2)).sum::<f64>().sqrt();
+            let close = d.max(spacing / 8.0).powi(-2);
+            for (y, x) in [(&ray[0], &ray[1]), (&ray[1], &ray[0])] {
+                let rho = mean(&material(geometry, y).rho.map(f64::from));
+                g[y.tile as usize] += y.weight as f64 * rho * carried[x.tile as usize] * close;
+            }
+        }
+    }
+
+    // Average over the tiles of one piece that share a box three tiles wide.
+    let width = 3.0 * (geometry.area / 20_000.0).sqrt();
+    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
+    let key = |t: usize| {
+        let c = nodes::tile_corners(geometry, t as u32);
+        let c = (c[0] + c[1] + c[2]) / 3.0;
+        let plane = geometry.tris[geometry.tile_tri[t] as usize].plane as i64;
+        [plane, (c.x as f64 / width).floor() as i64, (c.y as f64 / width).floor() as i64, (c.z as f64 / width).floor() as i64]
+    };
+    let keys: Vec<[i64; 4]> = (0..g.len()).map(key).collect();
+    for t in 0..g.len() {
+        let bin = bins.entry(keys[t]).or_default();
+        bin.0 += g[t];
+        bin.1 += geometry.tile_area(t);
+    }
+    let sharp: Vec<f64> = keys.iter().map(|k| (bins[k].0 / bins[k].1).powf(2.0 / 3.0)).collect();
+    let live: f64 = (0..sharp.len())
+        .filter(|&t| geometry.is_live(geometry.tile_tri[t] as usize))
+        .map(|t| sharp[t] * geometry.tile_area(t))
+        .sum();
+    let average = live / geometry.area;
+    Ok(sharp.iter().map(|s| 0.2 + 0.8 * if average > 0.0 { (s / average).min(30.0) } else { 1.0 }).collect())
+}
+
+/// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
+///
+/// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check.
+/// Back faces and black surfaces absorb what meets them.
+fn account<E: Engine>(engine: &mut E, geometry: &Geometry, params: &Params, network: &mut Network<E>) -> Result<Energy> {
+    let per_area = 1.0 / (geometry.emission_scale * geometry.scale * geometry.scale);
+    let mut emitted = [0.0; 3];
+    for e in &geometry.emitters {
+        let m = &geometry.materials[geometry.tris[e.tri as usize].material as usize];
+        for k in 0..3 {
+            emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
+        }
+    }
+    if emitted == [0.0; 3] {
+        return Ok(Energy { emitted: Some([0.0; 3]), absorbed: Some([0.0; 3]), escaped: Some([0.0; 3]), imbalance: Some(0.0) });
+    }
+    let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
+    let mut follow = |points: &[Point], sent: &dyn Fn(usize) -> [f64; 3]| {
+        for d in 0..points.len() {
+            let y = &points[d];
+            // One-way rays are stored at their start, so their receiver is the odd end.
+            let one_way = y.kind == kind::SKY || y.kind == kind::BACK;
+            let x = d ^ 1;
+            let w = if one_way { points[x].weight } else { y.weight } as f64;
+            if w <= 0.0 || (one_way && d % 2 == 0) {
+                continue;
+            }
+            let s = sent(x);
+            for k in 0..3 {
+                match y.kind {
+                    kind::SKY => escaped[k] += w * s[k],
+                    kind::BACK => absorbed[k] += w * s[k],
+                    _ => absorbed[k] += w * s[k] * (1.0 - material(geometry, y).rho[k] as f64),
+                }
+            }
+        }
+    };
+
+    // Light from emitters.
+    let mut shine = vec![0.0; geometry.tiles as usize];
+    let all = mean(&emitted);
+    for t in 0..shine.len() {
+        let m = &geometry.materials[geometry.tris[geometry.tile_tri[t] as usize].material as usize];
+        shine[t] = mean(&m.emit.map(f64::from)) / all;
+    }
+    let batch =
+        engine.emit(&tiles_of(geometry, &shine), stream(params.seed, Stream::Emission), 0, EMISSION_RAYS, EMISSION_RAYS)?;
+    let points = engine.points(&batch)?;
+    follow(&points, &|x| if points[x].tri == NONE { [0.0; 3] } else { material(geometry, &points[x]).emit.map(f64::from) });
+
+    // Reflected light.
+    engine.set_light(&network.light)?;
+    for batch in &mut network.batches {
+        engine.readout(batch)?;
+        let (points, h) = (engine.points(batch)?, engine.irradiance(batch)?);
+        let direct = if params.direct == Direct::Exact { engine.direct_sums(batch)? } else { Vec::new() };
+        follow(&points, &|x| {
+            if points[x].tri == NONE {
+                return [0.0; 3];
+            }
+            let rho = material(geometry, &points[x]).rho;
+            let d = direct.get(x).map_or([0.0; 3], DirectSum::mean);
+            [0, 1, 2].map(|k| rho[k] as f64 * (h[x][k] + d[k]) as f64)
+        });
+    }
+    let imbalance = (0..3).map(|k| emitted[k] - absorbed[k] - escaped[k]).sum::<f64>() / emitted.iter().sum::<f64>();
+    let watts = |x: [f64; 3]| Some(x.map(|v| v * per_area));
+    Ok(Energy { emitted: watts(emitted), absorbed: watts(absorbed), escaped: watts(escaped), imbalance: Some(imbalance) })
+}

@@ -1,0 +1,148 @@
+//! Point lists: `--points in.csv` and the answering `points.csv`.
+//!
+//! In: columns `px,py,pz` (metres) and `nx,ny,nz` in any order, others ignored. Out: the same rows in
+//! the same order with `B` (radiosity), `H` (irradiance) and `D` (direct irradiance), W/m² a band, and
+//! `status`: `ok`, `covered` (dark by construction), or `off_surface`, whose number cells are empty.
+
+use super::atomic;
+use crate::error::{Error, Result};
+use crate::solution::{Answer, Status, SurfacePoint};
+use std::path::Path;
+
+const IN: [&str; 6] = ["px", "py", "pz", "nx", "ny", "nz"];
+const OUT: &str = "px,py,pz,nx,ny,nz,B_r,B_g,B_b,H_r,H_g,H_b,D_r,D_g,D_b,status";
+
+/// Reads a point list.
+///
+/// Errors: [`Error::Read`]; [`Error::Format`] with the line where a column is missing or a cell is not a
+/// finite number, or a normal has no length.
+pub fn read(path: &Path) -> Result<Vec<SurfacePoint>> {
+    let fail = |line: Option<u64>, what: String| Error::Format {
+        path: path.into(),
+        line: line.map(|l| l as usize),
+        what,
+        cure: format!("a point list has the columns {}", IN.join(",")),
+    };
+    // Read whole, so that a bad path is a reading error and not a formatting one.
+    let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.into(), source })?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&bytes[..]);
+    let header = reader.byte_headers().map_err(|e| fail(Some(1), e.to_string()))?.clone();
+    let mut column = [0; 6];
+    for (name, column) in IN.iter().zip(&mut column) {
+        *column = header
+            .iter()
+            .position(|h| h == name.as_bytes())
+            .ok_or_else(|| fail(Some(1), format!("column '{name}' is missing")))?;
+    }
+    let mut points = Vec::new();
+    for record in reader.byte_records() {
+        let record = record.map_err(|e| fail(e.position().map(|p| p.line()), e.to_string()))?;
+        let line = record.position().map(|p| p.line());
+        let mut v = [0.0; 6];
+        for k in 0..6 {
+            let cell = String::from_utf8_lossy(record.get(column[k]).unwrap_or_default());
+            v[k] = cell
+                .parse()
+                .ok()
+                .filter(|x: &f64| x.is_finite())
+                .ok_or_else(|| fail(line, format!("'{cell}' in column '{}' is not a finite number", IN[k])))?;
+        }
+        let point = SurfacePoint { p: [v[0], v[1], v[2]], n: [v[3], v[4], v[5]] };
+        if point.n == [0.0; 3] {
+            return Err(fail(line, "the normal has no length".into()));
+        }
+        points.push(point);
+    }
+    Ok(points)
+}
+
+/// Writes the answers. Numbers are the shortest that read back as themselves: same answers, same bytes.
+///
+/// Errors: [`Error::Write`]; [`Error::NotFinite`] rather than a number that is none.
+pub fn write(path: &Path, points: &[SurfacePoint], answers: &[Answer]) -> Result<()> {
+    assert_eq!(points.len(), answers.len(), "one answer a point");
+    let mut text = format!("{OUT}\n");
+    for (i, (point, answer)) in points.iter().zip(answers).enumerate() {
+        for x in point.p.iter().chain(&point.n) {
+            text += &number(*x);
+            text.push(',');
+        }
+        let status = match answer.status {
+            Status::Ok => "ok",
+            Status::Covered => "covered",
+            Status::OffSurface => "off_surface",
+        };
+        for x in [answer.b, answer.h, answer.d].as_flattened() {
+            if answer.status != Status::OffSurface {
+                if !x.is_finite() {
+                    return Err(Error::NotFinite { what: format!("the light at point {i}") });
+                }
+                text += &number(*x);
+            }
+            text.push(',');
+        }
+        text += status;
+        text.push('\n');
+    }
+    atomic::write(path, text.as_bytes())
+}
+
+/// Shortest text that reads back as the same number.
+fn number(x: f64) -> String {
+    let text = format!("{x:?}");
+    text.strip_suffix(".0").map(str::to_string).unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(text: &str) -> Result<Vec<SurfacePoint>> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("in.csv");
+        std::fs::write(&path, text).unwrap();
+        read(&path)
+    }
+
+    #[test]
+    fn columns_in_any_order_others_ignored() {
+        let points = read_text("\u{feff}id, nz,ny,nx,note,pz,py,px\n7,0,1,0,\"a, b\nc\",3, 2 ,1e0\r\n8,-1,0,0,,6,5,4\n").unwrap();
+        assert_eq!(points[0], SurfacePoint { p: [1.0, 2.0, 3.0], n: [0.0, 1.0, 0.0] });
+        assert_eq!(points[1], SurfacePoint { p: [4.0, 5.0, 6.0], n: [0.0, 0.0, -1.0] });
+        assert!(read_text("px,py,pz,nx,ny,nz\n").unwrap().is_empty());
+    }
+
+    #[test]
+    fn bad_cells_are_named() {
+        for (text, part) in [
+            ("", "in.csv:1: column 'px' is missing"),
+            ("px,py,pz,nx,ny\n", "in.csv:1: column 'nz' is missing"),
+            ("px,py,pz,nx,ny,nz\n0,0,0,0,1,0\n0,x,0,0,1,0\n", "in.csv:3: 'x' in column 'py'"),
+            ("px,py,pz,nx,ny,nz\n0,0,nan,0,1,0\n", "in.csv:2: 'nan' in column 'pz'"),
+            ("px,py,pz,nx,ny,nz\n0,0,0,0,0,0\n", "in.csv:2: the normal has no length"),
+            ("px,py,pz,nx,ny,nz\n0,0,0\n", "in.csv:2"),
+        ] {
+            let got = read_text(text).expect_err(text).to_string();
+            assert!(got.contains(part), "expected {part:?} in {got:?}");
+        }
+    }
+
+    #[test]
+    fn answers_keep_their_rows() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("points.csv");
+        let points = [SurfacePoint { p: [0.1, -2.0, 1e-9], n: [0.0, 1.0, 0.0] }; 2];
+        let ok = Answer { status: Status::Ok, b: [0.5, 1.0, 2.0], h: [3.0; 3], d: [0.25; 3] };
+        let off = Answer { status: Status::OffSurface, b: [f64::NAN; 3], h: [f64::NAN; 3], d: [f64::NAN; 3] };
+        write(&path, &points, &[ok, off]).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(
+            text,
+            format!("{OUT}\n0.1,-2,1e-9,0,1,0,0.5,1,2,3,3,3,0.25,0.25,0.25,ok\n0.1,-2,1e-9,0,1,0,,,,,,,,,,off_surface\n")
+        );
+        // The answer is itself a point list.
+        assert_eq!(read(&path).unwrap(), points);
+        let nan = Answer { status: Status::Ok, ..off };
+        assert!(matches!(write(&path, &points, &[ok, nan]), Err(Error::NotFinite { .. })));
+    }
+}

@@ -1,0 +1,181 @@
+//! `report.json`: what a bake did. The keys are stable; a value that is not known is null, never a guess.
+
+use super::atomic;
+use crate::error::{Error, Result};
+use crate::params::Params;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The record of a bake.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Version of raycell.
+    pub raycell: String,
+    /// What was lit.
+    pub scene: SceneReport,
+    /// What it ran on; null for the plain-Rust twin.
+    pub adapter: Option<AdapterReport>,
+    /// Seed of every random sequence.
+    pub seed: u32,
+    /// All parameters as used.
+    pub params: Params,
+    /// Effects considered; null until they are built.
+    pub effects: Option<Vec<EffectReport>>,
+    /// Cells of the network.
+    pub cells: u64,
+    /// Nodes of the surface network.
+    pub nodes: u64,
+    /// Stored gather and deposit coefficients.
+    pub coefficients: u64,
+    /// Light rays of the full network.
+    pub rays: u64,
+    /// Wall time a stage.
+    pub seconds: Seconds,
+    /// Largest memory held.
+    pub memory_bytes: Memory,
+    /// How the light was solved for.
+    pub solver: SolverReport,
+    /// Where the emitted power went, W a band.
+    pub energy: Energy,
+    /// Estimated error of the result; null until it is built.
+    pub estimated_error: Option<EstimatedError>,
+    /// What was odd, in words.
+    pub warnings: Vec<String>,
+    /// Further keys, not yet stable.
+    #[serde(flatten)]
+    pub extra: serde_json::Map<String, serde_json::Value>,
+}
+
+/// The scene of a [`Report`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneReport {
+    /// Path or name.
+    pub path: String,
+    /// Triangles lit.
+    pub triangles: u64,
+    /// Triangles left out.
+    pub dropped: u64,
+}
+
+/// The device of a [`Report`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AdapterReport {
+    /// Its name.
+    pub name: String,
+    /// vulkan, metal, dx12 or gl.
+    pub backend: String,
+    /// Driver and version.
+    pub driver: String,
+}
+
+/// An effect of a [`Report`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EffectReport {
+    /// Its name.
+    pub name: String,
+    /// Whether it was on.
+    pub on: bool,
+    /// Why.
+    pub why: String,
+    /// What it costs, in words.
+    pub cost: String,
+}
+
+/// Wall time of the stages, seconds; null where a stage was not run or not measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seconds {
+    /// Reading the scene.
+    pub load: Option<f64>,
+    /// Building the hierarchy.
+    pub bvh: Option<f64>,
+    /// Compiling kernels, the driver's part included.
+    pub compile: Option<f64>,
+    /// Training the network.
+    pub train: Option<f64>,
+    /// Reading the cells as coefficients.
+    pub coefficients: Option<f64>,
+    /// Solving for the light.
+    pub solve: Option<f64>,
+    /// Exact direct light.
+    pub direct: Option<f64>,
+    /// Reading out at points, vertices and pixels.
+    pub readout: Option<f64>,
+    /// All of it.
+    pub total: Option<f64>,
+}
+
+/// Memory of a [`Report`], bytes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// On the host.
+    pub host: Option<u64>,
+    /// On the device.
+    pub device: Option<u64>,
+}
+
+/// The solve of a [`Report`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolverReport {
+    /// jacobi.
+    pub method: String,
+    /// Sweeps made.
+    pub sweeps: u64,
+    /// Relative residual at the end.
+    pub residual: Option<f64>,
+    /// Bound on the relative distance from the fixed point.
+    pub error_bound: Option<f64>,
+}
+
+/// The energy balance of a [`Report`]: emitted = absorbed + escaped + imbalance.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Energy {
+    /// Power emitted, W a band.
+    pub emitted: Option<[f64; 3]>,
+    /// Power absorbed by surfaces.
+    pub absorbed: Option<[f64; 3]>,
+    /// Power that left the scene.
+    pub escaped: Option<[f64; 3]>,
+    /// What is missing, as a share of what was emitted.
+    pub imbalance: Option<f64>,
+}
+
+/// The estimated error of a [`Report`]: root mean square over the surface, over the mean.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EstimatedError {
+    /// The estimate.
+    pub rrmse: f64,
+    /// Lower end of its interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// Writes a report as JSON. Errors: [`Error::Write`].
+pub fn write(path: &Path, report: &Report) -> Result<()> {
+    let mut text =
+        serde_json::to_string_pretty(report).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
+    text.push('\n');
+    atomic::write(path, text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_of_the_contract_is_there() {
+        let mut report = Report::default();
+        report.extra.insert("pilot".into(), 1.into());
+        let json = serde_json::to_value(&report).unwrap();
+        let keys = "scene.path scene.triangles scene.dropped adapter seed params effects cells nodes coefficients rays \
+            seconds.load seconds.bvh seconds.train seconds.coefficients seconds.solve seconds.direct seconds.readout \
+            seconds.total memory_bytes.host memory_bytes.device solver.method solver.sweeps solver.residual \
+            solver.error_bound energy.emitted energy.absorbed energy.escaped energy.imbalance estimated_error warnings pilot";
+        for key in keys.split_whitespace() {
+            let found = key.split('.').try_fold(&json, |at, k| at.get(k));
+            assert!(found.is_some(), "{key}");
+        }
+        assert!(json["effects"].is_null() && json["estimated_error"].is_null());
+        assert_eq!(serde_json::from_value::<Report>(json).unwrap(), report);
+    }
+}

@@ -1,0 +1,170 @@
+//! The read-out: radiosity at any surface points from a solved network (design §1, step 8). Like
+//! [`crate::bake`], this file knows an order of passes, and nothing of how they run.
+
+use crate::bake::{Stream, stream};
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::{DirectSum, Point};
+use crate::params::{Direct, Params};
+use crate::progress::{Event, Progress};
+use crate::scene::Geometry;
+use crate::twin::direct::Samples;
+use crate::twin::math::seed_of;
+
+/// Points in flight.
+const CHUNK: usize = 32_768;
+/// Most gather rays in flight.
+const HITS: usize = 262_144;
+/// Samples of a round of direct light at a shown point.
+const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
+/// Rounds before the error of direct light is looked at.
+const FIRST_ROUNDS: u32 = 4;
+/// Samples of direct light at a gather ray's hit.
+const HIT: Samples = Samples { emitter: 2, cosine: 1 };
+/// Rays that tell how near a point's surroundings are, and whether it is covered.
+const PROBES: u32 = 32;
+
+/// Light at a point, scaled W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Shade {
+    /// Direct irradiance D.
+    pub direct: [f64; 3],
+    /// All irradiance.
+    pub irradiance: [f64; 3],
+    /// Covered: no front face in sight, nor any emitter.
+    pub covered: bool,
+    /// Whether a final gather was made.
+    pub gathered: bool,
+}
+
+/// Shades points with the surface and the light that are set on the engine. `spacing` is the node
+/// spacing, local.
+pub(crate) fn shade<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    params: &Params,
+    spacing: f64,
+    points: &[Point],
+    progress: &mut Progress,
+) -> Result<Vec<Shade>> {
+    let mut out = Vec::with_capacity(points.len());
+    for (i, chunk) in points.chunks(CHUNK).enumerate() {
+        out.extend(shade_chunk(engine, geometry, params, spacing, chunk, seed_of(params.seed, i as u32))?);
+        progress.event(Event::Points { done: out.len() as u64, total: points.len() as u64 })?;
+    }
+    Ok(out)
+}
+
+fn shade_chunk<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    params: &Params,
+    spacing: f64,
+    points: &[Point],
+    seed: u32,
+) -> Result<Vec<Shade>> {
+    let exact = params.direct == Direct::Exact;
+    let mut batch = engine.upload(points)?;
+
+    // The network's light.
+    engine.assign(&mut batch)?;
+    engine.readout(&mut batch)?;
+    let network = engine.irradiance(&batch)?;
+    let psi = engine.psi(&batch)?;
+
+    // Exact direct light, as many rounds as its scatter asks for.
+    let direct = if exact {
+        let all: Vec<u32> = (0..points.len() as u32).collect();
+        sample_direct(engine, params, &mut batch, &all, &network, stream(seed, Stream::PointDirect))?
+    } else {
+        vec![DirectSum::default(); points.len()]
+    };
+
+    // Look around: who is covered, who sits in a slot?
+    let mut near = Vec::new();
+    let mut shades: Vec<Shade> = Vec::new();
+    let probe_seed = stream(seed, Stream::PointProbe);
+    let step = HITS / PROBES as usize;
+    for (c, chunk) in points.chunks(step).enumerate() {
+        let from = engine.upload(chunk)?;
+        let hits = engine.shoot(&from, seed_of(probe_seed, c as u32), 0, PROBES)?;
+        near.extend(engine.gather(&hits, PROBES, false, false)?);
+    }
+    let mut wanted = Vec::new();
+    for i in 0..points.len() {
+        let d = direct[i].mean().map(f64::from);
+        let covered = near[i].front == 0.0 && near[i].back >= 0.25 && d == [0.0; 3];
+        let irradiance = [0, 1, 2].map(|k| if covered { 0.0 } else { d[k] + network[i][k] as f64 });
+        let close = near[i].nearness as f64 * params.gather_threshold * spacing > 1.0;
+        if params.gather_rays > 0 && !covered && (close || psi[i].is_orphan()) {
+            wanted.push(i);
+        }
+        shades.push(Shade { direct: d, irradiance, covered, gathered: false });
+    }
+
+    // Final gather where the network is not fine enough.
+    let rays = params.gather_rays;
+    let step = (HITS / rays.max(1) as usize).max(1);
+    for (c, chunk) in wanted.chunks(step).enumerate() {
+        let own: Vec<Point> = chunk.iter().map(|&i| points[i]).collect();
+        let mut from = engine.upload(&own)?;
+        let mut hits = engine.shoot(&from, seed_of(stream(seed, Stream::PointGather), c as u32), 0, rays)?;
+        engine.assign(&mut hits)?;
+        engine.readout(&mut hits)?;
+        if exact {
+            engine.direct(&mut hits, None, seed_of(stream(seed, Stream::HitDirect), c as u32), 0, 1, HIT)?;
+        }
+        let gathered = engine.gather(&hits, rays, true, exact)?;
+        // The network carried direct light too; a gathered point takes it exactly.
+        let own_direct = if exact {
+            None
+        } else {
+            let all: Vec<u32> = (0..own.len() as u32).collect();
+            let light: Vec<[f32; 4]> = chunk.iter().map(|&i| network[i]).collect();
+            Some(sample_direct(engine, params, &mut from, &all, &light, seed_of(stream(seed, Stream::PointDirect), c as u32))?)
+        };
+        for (k, &i) in chunk.iter().enumerate() {
+            let s = &mut shades[i];
+            if let Some(own) = &own_direct {
+                s.direct = own[k].mean().map(f64::from);
+            }
+            s.irradiance = [0, 1, 2].map(|b| s.direct[b] + gathered[k].irradiance[b] as f64);
+            s.gathered = true;
+        }
+    }
+    let _ = geometry;
+    Ok(shades)
+}
+
+/// Samples direct light until its standard error is small against all light at the point.
+fn sample_direct<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    batch: &mut E::Batch,
+    all: &[u32],
+    network: &[[f32; 4]],
+    seed: u32,
+) -> Result<Vec<DirectSum>> {
+    let most = (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2);
+    let mut done = 0;
+    let mut rounds = FIRST_ROUNDS.min(most);
+    let mut active = all.to_vec();
+    loop {
+        engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;
+        done += rounds;
+        let sums = engine.direct_sums(batch)?;
+        if done >= most {
+            return Ok(sums);
+        }
+        active.retain(|&i| {
+            let (s, h) = (&sums[i as usize], &network[i as usize]);
+            let light = s.mean().iter().sum::<f32>() / 3.0 + (h[0] + h[1] + h[2]) / 3.0;
+            s.standard_error() > params.direct_tolerance as f32 * light
+        });
+        if active.is_empty() {
+            return Ok(sums);
+        }
+        // Double what has been shot.
+        rounds = done.min(most - done);
+    }
+}

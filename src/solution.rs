@@ -1,0 +1,191 @@
+//! A solved network: what a bake leaves, and what queries, pictures and files are made from.
+
+use crate::bake::Backend;
+use crate::engine::Engine;
+use crate::error::{Error, Result};
+use crate::layout::{NONE, Node, NodeLight, Point};
+use crate::output::report::Report;
+use crate::params::Params;
+use crate::progress::{Event, Flow, Progress};
+use crate::radiosity::coefficients::Coefficients;
+use crate::scene::{Geometry, Scene};
+use crate::shade::{Shade, shade};
+use crate::twin::TwinEngine;
+use crate::twin::assign::Surface;
+use crate::twin::trace::{barycentric, surface_point};
+use crate::twin::winner::Feature;
+use glam::Vec3;
+
+/// A point to be answered: position (metres) and the normal of the side asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Position, metres.
+    pub p: [f64; 3],
+    /// Normal; its length does not matter.
+    pub n: [f64; 3],
+}
+
+/// How far an answer can be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// On a surface.
+    Ok,
+    /// No surface that faces this way lies within 1e-3 of the scene's size.
+    OffSurface,
+    /// Covered by other surfaces: no light can reach it.
+    Covered,
+}
+
+/// Light at a point, W/m² in linear Rec.709 RGB. All zero where off the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// Whether there is light to speak of.
+    pub status: Status,
+    /// Radiosity B = E + rho H.
+    pub b: [f64; 3],
+    /// Irradiance H, direct light included.
+    pub h: [f64; 3],
+    /// Direct irradiance D; 0 where the network carried it (`--direct network`) and no gather was made.
+    pub d: [f64; 3],
+}
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it stands, metres.
+    pub eye: [f64; 3],
+    /// What it looks at, metres.
+    pub target: [f64; 3],
+    /// What is up.
+    pub up: [f64; 3],
+    /// Vertical field of view, degrees.
+    pub vfov_degrees: f64,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+/// A picture in linear radiance, W/m²/sr.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Rows from the top.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+/// A solved network with its scene.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    scene: Scene,
+    geometry: Geometry,
+    params: Params,
+    surface: Surface,
+    light: Vec<NodeLight>,
+    cells: Vec<Feature>,
+    report: Report,
+}
+
+impl Solution {
+    pub(crate) fn new(
+        scene: Scene,
+        geometry: Geometry,
+        params: Params,
+        surface: Surface,
+        light: Vec<NodeLight>,
+        cells: Vec<Feature>,
+        coefficients: &Coefficients,
+        report: Report,
+    ) -> Solution {
+        let _ = coefficients;
+        Solution { scene, geometry, params, surface, light, cells, report }
+    }
+
+    /// What the bake did.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// For later stages to add to.
+    pub fn report_mut(&mut self) -> &mut Report {
+        &mut self.report
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Nodes of the surface network, local units.
+    pub fn nodes(&self) -> &[Node] {
+        &self.surface.nodes
+    }
+
+    /// Cells of the network: reference rays in feature space.
+    pub fn cells(&self) -> &[Feature] {
+        &self.cells
+    }
+
+    /// Node spacing, local.
+    fn spacing(&self) -> f64 {
+        (self.geometry.area / (1.4 * (self.params.rays as f64).sqrt())).sqrt()
+    }
+
+    /// Shades points given as triangle and place; `None` is no point.
+    fn shade(&self, backend: &Backend, points: &[Point], tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Vec<Shade>> {
+        fn on<E: Engine>(s: &Solution, engine: &mut E, points: &[Point], progress: &mut Progress) -> Result<Vec<Shade>> {
+            engine.set_surface(&s.surface)?;
+            engine.set_light(&s.light)?;
+            shade(engine, &s.geometry, &s.params, s.spacing(), points, progress)
+        }
+        let mut progress = Progress::new(tell);
+        match backend {
+            Backend::Cpu => on(self, &mut TwinEngine::new(&self.geometry), points, &mut progress),
+        }
+    }
+
+    /// Radiosity at any points, in their order. Errors: those of the device; [`Error::NotFinite`].
+    pub fn query(&self, backend: &Backend, points: &[SurfacePoint]) -> Result<Vec<Answer>> {
+        self.query_with(backend, points, &mut |_| Flow::Continue)
+    }
+
+    /// As [`Solution::query`], telling its progress.
+    pub fn query_with(
+        &self,
+        backend: &Backend,
+        points: &[SurfacePoint],
+        tell: &mut dyn FnMut(&Event) -> Flow,
+    ) -> Result<Vec<Answer>> {
+        let found: Vec<Point> = points
+            .iter()
+            .map(|p| match self.geometry.locate(p.p, p.n) {
+                Some(at) => {
+                    let (b1, b2) = barycentric(&self.geometry.tris[at.tri as usize], Vec3::from(at.p));
+                    Point { p: at.p, ..surface_point(&self.geometry, at.tri, b1.clamp(0.0, 1.0), b2.clamp(0.0, 1.0)) }
+                }
+                None => Point { tri: NONE, tile: NONE, ..Point::default() },
+            })
+            .collect();
+        let shades = self.shade(backend, &found, tell)?;
+        found.iter().zip(shades).enumerate().map(|(i, (p, s))| self.answer(p, &s, || format!("the light at point {i}"))).collect()
+    }
+
+    /// Turns a shade into user units.
+    fn answer(&self, point: &Point, shade: &Shade, what: impl Fn() -> String) -> Result<Answer> {
+        if point.tri == NONE {
+            return Ok(Answer { status: Status::OffSurface, b: [0.0; 3], h: [0.0; 3], d: [0.0; 3] });
+        }
+        let m = &self.scene.materials[self.geometry.tris[point.tri as usize].material as usize];
+        let unscale = 1.0 / self.geometry.emission_scale;
+        let h = shade.irradiance.map(|x| x * unscale);
+        let b = [0, 1, 2].map(|k| std::f64::consts::PI * m.emission[k] + m.reflectance[k] * h[k]);
+        if !b.iter().chain(&h).all(|x| x.is_finite()) {
+            return Err(Error::NotFinite { what: what() });
+        }
+        let status = if shade.covered { Status::Covered } else { Status::Ok };
+        Ok(Answer { status, b, h, d: shade.direct.map(|x| x * unscale) })
+    }
+}
