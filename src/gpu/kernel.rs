@@ -1,0 +1,124 @@
+//! Kernels: their bindings, and their pipelines, made when first used.
+
+use super::{Gpu, wgsl};
+use crate::error::{Error, Result};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Invocations in a workgroup, in every kernel.
+pub const WORKGROUP: u32 = 64;
+
+/// How a kernel uses a storage buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// `var<storage, read>`.
+    Read,
+    /// `var<storage, read_write>`.
+    Write,
+}
+
+/// What the host knows of a kernel before it is compiled: a constant beside the pass that uses it.
+///
+/// Binding 0 is the uniform `Params`, which starts with `base` and `count`; the storage buffers follow from binding 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernel {
+    /// Name of the kernel: `wgsl/<name>.wgsl`, entry `main`.
+    pub name: &'static str,
+    /// The storage buffers, at most eight.
+    pub buffers: &'static [Access],
+}
+
+/// A compiled kernel.
+#[derive(Debug)]
+pub struct Pipeline {
+    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) layout: wgpu::BindGroupLayout,
+    /// Seconds that the driver's compiler took.
+    pub seconds: f64,
+}
+
+impl Gpu {
+    /// The pipeline of a kernel, compiled on the first call.
+    ///
+    /// Errors: [`Error::Device`] with file and line where the shader is refused.
+    pub fn pipeline(&self, kernel: &Kernel) -> Result<Arc<Pipeline>> {
+        let mut cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
+        if let Some(found) = cache.get(kernel.name) {
+            return Ok(found.clone());
+        }
+        let made = Arc::new(self.compile(kernel)?);
+        cache.insert(kernel.name, made.clone());
+        Ok(made)
+    }
+
+    /// Names and compile seconds of the kernels made so far, by name.
+    pub fn compile_seconds(&self) -> Vec<(&'static str, f64)> {
+        let cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
+        let mut all: Vec<_> = cache.iter().map(|(&name, p)| (name, p.seconds)).collect();
+        all.sort_by_key(|&(name, _)| name);
+        all
+    }
+
+    fn compile(&self, kernel: &Kernel) -> Result<Pipeline> {
+        let start = Instant::now();
+        let device = &self.device;
+        let label = format!("raycell.{}", kernel.name);
+        let composed = wgsl::compose_mapped(kernel.name);
+        let stage = || format!("compiling {}", kernel.name);
+
+        // Load the text; a refusal is retold with the true file and line.
+        let loaded = self.scoped(stage, || {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(&label),
+                source: wgpu::ShaderSource::Wgsl(composed.source.as_str().into()),
+            })
+        });
+        let module = loaded.map_err(|e| match e {
+            Error::Device { stage, why } => Error::Device { stage, why: retold(&why, &composed) },
+            other => other,
+        })?;
+
+        // Lay out the bindings: the parameters, then the buffers.
+        let entry = |binding: u32, ty: wgpu::BufferBindingType| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == 0, min_binding_size: None },
+            count: None,
+        };
+        let mut entries = vec![entry(0, wgpu::BufferBindingType::Uniform)];
+        entries.extend(
+            kernel
+                .buffers
+                .iter()
+                .enumerate()
+                .map(|(i, &access)| entry(i as u32 + 1, wgpu::BufferBindingType::Storage { read_only: access == Access::Read })),
+        );
+        self.scoped(stage, || {
+            let layout =
+                device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
+            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(&label),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some("main"),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+            Pipeline { pipeline, layout, seconds: start.elapsed().as_secs_f64() }
+        })
+    }
+}
+
+/// A compiler message with its first `wgsl:line:column` led back to the source file.
+fn retold(why: &str, composed: &wgsl::Composed) -> String {
+    let line = why.split("wgsl:").nth(1).and_then(|rest| rest.split(':').next()).and_then(|n| n.parse().ok());
+    match line {
+        Some(line) => format!("{}: {why}", composed.locate(line)),
+        None => why.to_string(),
+    }
+}

@@ -1,0 +1,134 @@
+//! How raycell talks to wgpu; no physics here.
+//!
+//! [`Gpu`] works on a device that its host owns: it never makes one, never prints, and waits only in
+//! [`Gpu::read`] and [`Gpu::wait`]. [`device`] opens a device for those who have none.
+
+pub mod buffer;
+pub mod device;
+pub mod dispatch;
+pub mod kernel;
+pub mod readback;
+pub mod sentinel;
+pub mod wgsl;
+
+pub use buffer::GpuVec;
+pub use dispatch::{HEAVY, Job, LIGHT};
+pub use kernel::{Access, Kernel, Pipeline};
+
+use crate::error::{Error, Result};
+use std::collections::HashMap;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex};
+
+/// A device, its queue, and the kernels compiled for it.
+#[derive(Debug)]
+pub struct Gpu {
+    /// The host's device.
+    pub device: wgpu::Device,
+    /// The host's queue.
+    pub queue: wgpu::Queue,
+    kernels: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
+    /// A flag a kernel, raised where a loop did not come to its end.
+    status: GpuVec<u32>,
+    /// Bytes that vectors hold on the device.
+    bytes: Arc<AtomicU64>,
+}
+
+/// Storage buffers a kernel may bind.
+const STORAGE_BUFFERS: u32 = 8;
+/// Bytes a binding must be able to hold.
+const BINDING_BYTES: u64 = 128 << 20;
+/// Workgroups in a dimension.
+const GROUPS: u32 = 65_535;
+/// Invocations that a workgroup may have in core WebGPU.
+const INVOCATIONS: u32 = 256;
+
+impl Gpu {
+    /// Features a device needs: none.
+    pub fn required_features() -> wgpu::Features {
+        wgpu::Features::empty()
+    }
+
+    /// Limits a device needs: those of core WebGPU that the kernels use, on top of wgpu's lowest.
+    pub fn required_limits() -> wgpu::Limits {
+        wgpu::Limits {
+            max_storage_buffers_per_shader_stage: STORAGE_BUFFERS,
+            max_storage_buffer_binding_size: BINDING_BYTES,
+            max_compute_invocations_per_workgroup: INVOCATIONS,
+            max_compute_workgroup_size_x: INVOCATIONS,
+            max_compute_workgroups_per_dimension: GROUPS,
+            ..wgpu::Limits::downlevel_defaults()
+        }
+    }
+
+    /// Takes a host's device and runs the sentinel kernel on it.
+    ///
+    /// Errors: [`Error::Limit`] where the device was made with less than [`Gpu::required_limits`],
+    /// [`Error::Unfinished`] where the driver does not do what the kernels rely on, [`Error::Device`].
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Gpu> {
+        let mut lacking = None;
+        Self::required_limits().check_limits_with_fail_fn(&device.limits(), true, |limit, need, have| {
+            lacking = Some(Error::Limit {
+                what: "raycell".into(),
+                limit,
+                need,
+                have,
+                cure: "make the device with Gpu::required_limits()",
+            });
+        });
+        if let Some(error) = lacking {
+            return Err(error);
+        }
+        let (device, queue) = (device.clone(), queue.clone());
+        let bytes = Arc::default();
+        let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len())?;
+        let gpu = Gpu { device, queue, kernels: Mutex::default(), status, bytes };
+        sentinel::check(&gpu)?;
+        Ok(gpu)
+    }
+
+    /// The buffer of finished flags, to bind as `status`.
+    pub fn status(&self) -> &wgpu::Buffer {
+        self.status.buffer()
+    }
+
+    /// The place of a kernel in `status`, for its `params.flag`.
+    pub fn flag(&self, kernel: &Kernel) -> u32 {
+        wgsl::KERNELS.iter().position(|(name, _)| *name == kernel.name).unwrap_or(0) as u32
+    }
+
+    /// Waits, and says whether all that ran came to its end. Call it before results are trusted.
+    ///
+    /// Errors: [`Error::Unfinished`] naming the kernel, [`Error::Device`].
+    pub fn check_finished(&self) -> Result<()> {
+        let raised = self.read(&self.status)?;
+        match raised.iter().position(|&flag| flag != 0) {
+            None => Ok(()),
+            Some(k) => {
+                // The next run starts afresh.
+                self.clear(&self.status)?;
+                Err(Error::Unfinished { kernel: wgsl::KERNELS[k].0, why: "a loop was left early".into() })
+            }
+        }
+    }
+
+    /// Runs `work` within error scopes, so that its errors come back typed instead of reaching the
+    /// host's handler.
+    pub(crate) fn scoped<T>(&self, stage: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T> {
+        scoped(&self.device, stage, work)
+    }
+}
+
+/// [`Gpu::scoped`] without a [`Gpu`].
+pub(crate) fn scoped<T>(device: &wgpu::Device, stage: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T> {
+    let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
+    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let value = work();
+    // On native backends these futures are ready at once.
+    let errors = [validation.pop(), internal.pop(), memory.pop()].map(pollster::block_on);
+    match errors.into_iter().flatten().next() {
+        None => Ok(value),
+        Some(e) => Err(Error::Device { stage: stage(), why: e.to_string() }),
+    }
+}

@@ -1,0 +1,78 @@
+//! The embedded shader sources and their composition.
+//!
+//! A line `#import name` (at the start of a line) pulls in `wgsl/lib/name.wgsl` once. There are no
+//! conditionals. A line map leads every line of the composed text back to its file.
+
+/// Embeds `wgsl/<folder><name>.wgsl` under its name.
+macro_rules! sources {
+    ($folder:literal: $($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../wgsl/", $folder, $name, ".wgsl")))),*]
+    };
+}
+
+/// Kernels: name and source. Every `wgsl/*.wgsl` is listed; `tests/wgsl.rs` checks that.
+pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "beta", "update", "readout", "gather"];
+
+/// Modules that kernels import: name and source.
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "surface"];
+
+/// A kernel with its imports.
+#[derive(Clone, Debug)]
+pub struct Composed {
+    /// The text for the driver.
+    pub source: String,
+    /// File (relative to the project) and line, from 1, of each line of `source`.
+    pub lines: Vec<(String, usize)>,
+}
+
+impl Composed {
+    /// `file:line` of a line of the composed text, from 1.
+    pub fn locate(&self, line: usize) -> String {
+        match self.lines.get(line.wrapping_sub(1)) {
+            Some((file, line)) => format!("{file}:{line}"),
+            None => format!("line {line}"),
+        }
+    }
+}
+
+fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
+    list.iter().find(|(n, _)| *n == name).map(|&(_, text)| text)
+}
+
+/// The full text of a kernel. See [`compose_mapped`].
+pub fn compose(kernel: &str) -> String {
+    compose_mapped(kernel).source
+}
+
+/// The full text of a kernel and where its lines come from.
+///
+/// Panics where the kernel or an import does not exist: the sources are embedded, so that is a
+/// mistake of this crate, which its tests find.
+pub fn compose_mapped(kernel: &str) -> Composed {
+    let text = find(KERNELS, kernel).unwrap_or_else(|| panic!("no kernel wgsl/{kernel}.wgsl"));
+    let mut composed = Composed { source: String::new(), lines: Vec::new() };
+    let mut queue = vec![(format!("wgsl/{kernel}.wgsl"), text)];
+    let mut seen = vec![];
+    let mut next = 0;
+    // Modules follow in the order of their first import: WGSL declarations may stand in any order.
+    while next < queue.len() {
+        let (file, text) = queue[next].clone();
+        next += 1;
+        for (i, line) in text.lines().enumerate() {
+            composed.lines.push((file.clone(), i + 1));
+            if let Some(name) = line.strip_prefix("#import ") {
+                let name = name.trim();
+                if !seen.contains(&name) {
+                    let lib = find(LIBS, name).unwrap_or_else(|| panic!("{file}:{}: no wgsl/lib/{name}.wgsl", i + 1));
+                    seen.push(name);
+                    queue.push((format!("wgsl/lib/{name}.wgsl"), lib));
+                }
+                // Keep the line count.
+                composed.source.push_str("//");
+            }
+            composed.source.push_str(line);
+            composed.source.push('\n');
+        }
+    }
+    composed
+}

@@ -1,0 +1,47 @@
+//! Pass `assign`: the nodes that speak for a surface point. Twin: [`crate::twin::assign`].
+
+use super::{SceneBuffers, SurfaceBuffers, params};
+use crate::error::Result;
+use crate::gpu::{Access, Gpu, GpuVec, HEAVY, Kernel};
+use crate::layout::{Point, Psi};
+
+params!(
+    /// Parameters of `wgsl/assign.wgsl`.
+    {
+        /// Place of the finished flag.
+        flag: u32,
+        /// 1/L, per local length.
+        inv_unit: f32,
+        /// Weight of normals.
+        lambda: f32,
+        /// Padding.
+        pad0: u32,
+        /// Padding.
+        pad1: u32,
+        /// Padding.
+        pad2: u32,
+    }
+);
+
+const KERNEL: Kernel = Kernel {
+    name: "assign",
+    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+};
+
+/// The weights of many points.
+pub fn assign(gpu: &Gpu, scene: &SceneBuffers, surface: &SurfaceBuffers, points: &GpuVec<Point>) -> Result<GpuVec<Psi>> {
+    let psi = gpu.alloc("psi", points.len())?;
+    let params = Params { flag: gpu.flag(&KERNEL), inv_unit: surface.inv_unit, lambda: surface.lambda, ..Params::default() };
+    let buffers = [
+        scene.nodes.buffer(),
+        scene.tris.buffer(),
+        surface.nodes.buffer(),
+        surface.offsets.buffer(),
+        surface.candidates.buffer(),
+        points.buffer(),
+        psi.buffer(),
+        gpu.status(),
+    ];
+    gpu.run(&KERNEL, &params, &buffers, points.len(), HEAVY)?;
+    Ok(psi)
+}

@@ -1,0 +1,86 @@
+//! Pass `direct`: irradiance straight from emitters. Twin: [`crate::twin::direct`].
+
+use super::{SceneBuffers, params};
+use crate::error::Result;
+use crate::gpu::{Access, Gpu, GpuVec, HEAVY, Kernel};
+use crate::layout::{DirectSum, Point};
+use crate::twin::direct::Samples;
+
+/// Rays that an invocation may shoot in a dispatch, unless a single round takes more.
+const RAYS: u32 = 16;
+
+params!(
+    /// Parameters of `wgsl/direct.wgsl`.
+    {
+        /// Place of the finished flag.
+        flag: u32,
+        /// Seed; each point has a sequence of its own.
+        seed: u32,
+        /// First round.
+        first: u32,
+        /// Rounds in this dispatch.
+        rounds: u32,
+        /// Samples of the emitters' area a round.
+        emitter: u32,
+        /// Cosine directions a round.
+        cosine: u32,
+        /// Number of emitters; where there are none, rounds are only counted.
+        emitters: u32,
+        /// Sampling density of an emitter per unit of its summed emission.
+        emitter_density: f32,
+        /// Padding.
+        pad0: u32,
+        /// Padding.
+        pad1: u32,
+    }
+);
+
+const KERNEL: Kernel = Kernel {
+    name: "direct",
+    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+};
+
+/// Adds rounds `first..first + rounds` to the sums of the points listed in `active`.
+pub fn direct(
+    gpu: &Gpu,
+    scene: &SceneBuffers,
+    points: &GpuVec<Point>,
+    active: &GpuVec<u32>,
+    seed: u32,
+    first: u32,
+    rounds: u32,
+    samples: Samples,
+    sums: &GpuVec<DirectSum>,
+) -> Result<()> {
+    let (emitter, cosine) = (samples.emitter, samples.cosine);
+    let rays = (emitter + cosine).max(1);
+    let buffers = [
+        scene.nodes.buffer(),
+        scene.tris.buffer(),
+        scene.materials.buffer(),
+        scene.emitters.buffer(),
+        points.buffer(),
+        active.buffer(),
+        sums.buffer(),
+        gpu.status(),
+    ];
+    // As many rounds a dispatch as keep an invocation short.
+    let mut done = 0;
+    while done < rounds {
+        let now = (RAYS / rays).max(1).min(rounds - done);
+        let params = Params {
+            flag: gpu.flag(&KERNEL),
+            seed,
+            first: first + done,
+            rounds: now,
+            emitter,
+            cosine,
+            emitters: scene.emitters.len() as u32,
+            emitter_density: scene.emitter_density,
+            ..Params::default()
+        };
+        gpu.run(&KERNEL, &params, &buffers, active.len(), HEAVY / (rays * now))?;
+        done += now;
+    }
+    Ok(())
+}

@@ -1,0 +1,238 @@
+//! The machine of compute shaders: every pass by its kernel.
+
+use super::coefficients::Rays;
+use super::jacobi::SystemBuffers;
+use super::{SceneBuffers, SurfaceBuffers};
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::gpu::{Gpu, GpuVec};
+use crate::layout::{CellSums, DirectSum, NONE, NodeLight, Point, Psi, Tile};
+use crate::scene::Geometry;
+use crate::twin::assign::Surface;
+use crate::twin::coefficients::Sums;
+use crate::twin::direct::Samples;
+use crate::twin::gather::Gathered;
+use crate::twin::jacobi::System;
+use crate::twin::winner::{Feature, Metric};
+use bytemuck::Pod;
+use std::ops::Range;
+
+/// Runs every pass on a device. What the host reads has passed [`Gpu::check_finished`].
+pub struct GpuEngine<'a> {
+    gpu: &'a Gpu,
+    scene: SceneBuffers,
+    surface: SurfaceBuffers,
+    light: GpuVec<NodeLight>,
+    system: SystemBuffers,
+}
+
+/// Points on the device, with what the passes have found about them.
+#[derive(Clone, Debug)]
+pub struct GpuBatch {
+    points: GpuVec<Point>,
+    direct: GpuVec<DirectSum>,
+    psi: GpuVec<Psi>,
+    features: GpuVec<Feature>,
+    winners: GpuVec<u32>,
+    irradiance: GpuVec<[f32; 4]>,
+}
+
+impl<'a> GpuEngine<'a> {
+    /// A machine for one prepared scene.
+    ///
+    /// Errors: [`crate::Error::Limit`] where the scene exceeds what the device holds.
+    pub fn new(gpu: &'a Gpu, geometry: &Geometry) -> Result<GpuEngine<'a>> {
+        Ok(GpuEngine {
+            gpu,
+            scene: SceneBuffers::new(gpu, geometry)?,
+            surface: SurfaceBuffers::new(gpu, &Surface::default())?,
+            light: gpu.alloc("light", 0)?,
+            system: SystemBuffers::new(gpu, &System::default())?,
+        })
+    }
+
+    /// A batch of which only the points are known.
+    fn batch(&self, points: GpuVec<Point>) -> Result<GpuBatch> {
+        let gpu = self.gpu;
+        Ok(GpuBatch {
+            points,
+            direct: gpu.alloc("direct", 0)?,
+            psi: gpu.alloc("psi", 0)?,
+            features: gpu.alloc("features", 0)?,
+            winners: gpu.alloc("winners", 0)?,
+            irradiance: gpu.alloc("irradiance", 0)?,
+        })
+    }
+
+    /// Reads back what kernels have finished.
+    fn fetch<T: Pod>(&self, vec: &GpuVec<T>) -> Result<Vec<T>> {
+        self.gpu.check_finished()?;
+        self.gpu.read(vec)
+    }
+}
+
+impl Engine for GpuEngine<'_> {
+    type Batch = GpuBatch;
+
+    fn upload(&mut self, points: &[Point]) -> Result<GpuBatch> {
+        self.batch(self.gpu.upload("points", points)?)
+    }
+
+    fn points(&mut self, batch: &GpuBatch) -> Result<Vec<Point>> {
+        self.fetch(&batch.points)
+    }
+
+    fn emit(&mut self, tiles: &[Tile], seed: u32, first: u32, count: u32, total: u32) -> Result<GpuBatch> {
+        let tiles = self.gpu.upload("tiles", tiles)?;
+        self.batch(super::emit::emit(self.gpu, &self.scene, &tiles, seed, first, count, total)?)
+    }
+
+    fn shoot(&mut self, from: &GpuBatch, seed: u32, first: u32, rays: u32) -> Result<GpuBatch> {
+        self.batch(super::shoot::shoot(self.gpu, &self.scene, &from.points, seed, first, rays)?)
+    }
+
+    fn direct(
+        &mut self,
+        batch: &mut GpuBatch,
+        active: Option<&[u32]>,
+        seed: u32,
+        first: u32,
+        rounds: u32,
+        samples: Samples,
+    ) -> Result<()> {
+        if batch.direct.len() < batch.points.len() {
+            batch.direct = self.gpu.alloc("direct", batch.points.len())?;
+        }
+        let all: Vec<u32>;
+        let active = match active {
+            Some(active) => active,
+            None => {
+                all = (0..batch.points.len() as u32).collect();
+                &all
+            }
+        };
+        let active = self.gpu.upload("active", active)?;
+        super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
+    }
+
+    fn direct_sums(&mut self, batch: &GpuBatch) -> Result<Vec<DirectSum>> {
+        self.fetch(&batch.direct)
+    }
+
+    fn set_surface(&mut self, surface: &Surface) -> Result<()> {
+        self.surface = SurfaceBuffers::new(self.gpu, surface)?;
+        Ok(())
+    }
+
+    fn set_light(&mut self, light: &[NodeLight]) -> Result<()> {
+        self.light = self.gpu.upload("light", light)?;
+        Ok(())
+    }
+
+    fn assign(&mut self, batch: &mut GpuBatch) -> Result<()> {
+        batch.psi = super::assign::assign(self.gpu, &self.scene, &self.surface, &batch.points)?;
+        Ok(())
+    }
+
+    fn psi(&mut self, batch: &GpuBatch) -> Result<Vec<Psi>> {
+        self.fetch(&batch.psi)
+    }
+
+    fn feature(&mut self, batch: &mut GpuBatch, metric: Metric, brightness: &[f32]) -> Result<()> {
+        let brightness = self.gpu.upload("brightness", brightness)?;
+        batch.features = super::feature::feature(self.gpu, &self.scene, metric, &brightness, &batch.points)?;
+        Ok(())
+    }
+
+    fn features(&mut self, batch: &GpuBatch, range: Range<usize>) -> Result<Vec<Feature>> {
+        self.gpu.check_finished()?;
+        self.gpu.read_range(&batch.features, range.start, range.len())
+    }
+
+    fn winner(&mut self, batch: &mut GpuBatch, range: Range<usize>, cells: &[Feature]) -> Result<()> {
+        if batch.winners.len() < batch.points.len() {
+            batch.winners = self.gpu.upload("winners", &vec![NONE; batch.points.len()])?;
+        }
+        let cells = self.gpu.upload("cells", cells)?;
+        super::winner::winner(self.gpu, &batch.features, range, &cells, &batch.winners)
+    }
+
+    fn winners(&mut self, batch: &GpuBatch) -> Result<Vec<u32>> {
+        self.fetch(&batch.winners)
+    }
+
+    fn set_winners(&mut self, batch: &mut GpuBatch, winners: &[u32]) -> Result<()> {
+        batch.winners = self.gpu.upload("winners", winners)?;
+        Ok(())
+    }
+
+    fn accumulate(&mut self, batch: &GpuBatch, range: Range<usize>, cells: &[Feature]) -> Result<Vec<CellSums>> {
+        let cells = self.gpu.upload("cells", cells)?;
+        let sums = super::accumulate::accumulate(self.gpu, &batch.points, &batch.features, &batch.winners, range, &cells)?;
+        self.fetch(&sums)
+    }
+
+    fn adapt(
+        &mut self,
+        cells: &[Feature],
+        sums: &[CellSums],
+        offsets: &[u32],
+        neighbours: &[u32],
+        eta: f32,
+    ) -> Result<Vec<Feature>> {
+        let cells = self.gpu.upload("cells", cells)?;
+        let sums = self.gpu.upload("cell sums", sums)?;
+        let offsets = self.gpu.upload("offsets", offsets)?;
+        let neighbours = self.gpu.upload("neighbours", neighbours)?;
+        let moved = super::adapt::adapt(self.gpu, &cells, &sums, &offsets, &neighbours, eta)?;
+        self.fetch(&moved)
+    }
+
+    fn coefficients(&mut self, batches: &[GpuBatch], exact: bool, normalise: f32, rays: f32, cells: usize) -> Result<Sums> {
+        let batches: Vec<Rays> = batches
+            .iter()
+            .map(|b| Rays { points: &b.points, psi: &b.psi, winners: &b.winners, direct: exact.then_some(&b.direct) })
+            .collect();
+        let sums = super::coefficients::coefficients(self.gpu, &self.scene, &self.surface, &batches, normalise, rays, cells)?;
+        self.gpu.check_finished()?;
+        Ok(sums)
+    }
+
+    fn set_system(&mut self, system: &System) -> Result<()> {
+        self.system = SystemBuffers::new(self.gpu, system)?;
+        Ok(())
+    }
+
+    fn jacobi(&mut self, light: &[NodeLight], sweeps: u32) -> Result<Vec<NodeLight>> {
+        let light = self.gpu.upload("light", light)?;
+        super::jacobi::jacobi(self.gpu, &self.scene, &self.system, &light, sweeps)?;
+        self.fetch(&light)
+    }
+
+    fn readout(&mut self, batch: &mut GpuBatch) -> Result<()> {
+        batch.irradiance = super::readout::readout(self.gpu, &self.surface, &self.light, &batch.points, &batch.psi)?;
+        Ok(())
+    }
+
+    fn irradiance(&mut self, batch: &GpuBatch) -> Result<Vec<[f32; 4]>> {
+        self.fetch(&batch.irradiance)
+    }
+
+    fn gather(&mut self, hits: &GpuBatch, rays: u32, lit: bool, exact: bool) -> Result<Vec<Gathered>> {
+        let (light, direct) = (lit.then_some(&hits.irradiance), exact.then_some(&hits.direct));
+        let gathered = super::gather::gather(self.gpu, &self.scene, &hits.points, light, direct, rays)?;
+        Ok(super::gather::decode(&self.fetch(&gathered)?))
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.gpu.check_finished()
+    }
+
+    fn compile_seconds(&self) -> f64 {
+        self.gpu.compile_seconds().iter().map(|(_, seconds)| seconds).sum()
+    }
+
+    fn device_bytes(&self) -> u64 {
+        self.gpu.device_bytes()
+    }
+}

@@ -1,0 +1,75 @@
+//! Pass `gather`: the mean over a point's cosine rays of what their hits reflect. Twin: [`crate::twin::gather`].
+
+use super::{SceneBuffers, params};
+use crate::error::Result;
+use crate::gpu::{Access, Gpu, GpuVec, Kernel, LIGHT};
+use crate::layout::{DirectSum, Point};
+use crate::twin::gather::Gathered;
+
+/// Most hits of a point in a dispatch: the loop budget.
+const HITS: u32 = 8192;
+
+params!(
+    /// Parameters of `wgsl/gather.wgsl`.
+    {
+        /// Place of the finished flag.
+        flag: u32,
+        /// Consecutive hits a point.
+        rays: u32,
+        /// First hit of the dispatch, of each point.
+        first: u32,
+        /// End of its hits.
+        end: u32,
+        /// 1: the hits' irradiance is known.
+        lit: u32,
+        /// 1: so is their direct light.
+        exact: u32,
+    }
+);
+
+const KERNEL: Kernel = Kernel {
+    name: "gather",
+    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+};
+
+/// Averages `rays` consecutive hits a point: irradiance and nearness, then the shares of front and of
+/// back hits, two vectors a point ([`decode`] names them).
+pub fn gather(
+    gpu: &Gpu,
+    scene: &SceneBuffers,
+    hits: &GpuVec<Point>,
+    light: Option<&GpuVec<[f32; 4]>>,
+    direct: Option<&GpuVec<DirectSum>>,
+    rays: u32,
+) -> Result<GpuVec<[f32; 4]>> {
+    let points = hits.len() / rays as usize;
+    let gathered = gpu.alloc("gathered", 2 * points)?;
+    let no_light = gpu.alloc("no light", 0)?;
+    let no_direct = gpu.alloc("no direct light", 0)?;
+    let buffers = [
+        scene.tris.buffer(),
+        scene.materials.buffer(),
+        hits.buffer(),
+        light.unwrap_or(&no_light).buffer(),
+        direct.unwrap_or(&no_direct).buffer(),
+        gathered.buffer(),
+        gpu.status(),
+    ];
+    let mut first = 0;
+    while first < rays {
+        let end = (first + HITS).min(rays);
+        let (lit, exact) = (light.is_some() as u32, direct.is_some() as u32);
+        let params = Params { flag: gpu.flag(&KERNEL), rays, first, end, lit, exact, ..Params::default() };
+        gpu.run(&KERNEL, &params, &buffers, points, LIGHT / (end - first))?;
+        first = end;
+    }
+    Ok(gathered)
+}
+
+/// The results of [`gather`] by name.
+pub fn decode(gathered: &[[f32; 4]]) -> Vec<Gathered> {
+    gathered
+        .chunks_exact(2)
+        .map(|v| Gathered { irradiance: [v[0][0], v[0][1], v[0][2]], nearness: v[0][3], front: v[1][0], back: v[1][1] })
+        .collect()
+}

@@ -1,0 +1,29 @@
+//! Pass `kernel`: G V on a batch of point pairs, for library users, form factors and baselines. Twin: [`crate::twin::kernel`].
+
+use super::{SceneBuffers, params};
+use crate::error::Result;
+use crate::gpu::{Access, Gpu, GpuVec, HEAVY, Kernel};
+use crate::layout::Point;
+
+params!(
+    /// Parameters of `wgsl/kernel.wgsl`.
+    {
+        /// Place of the finished flag.
+        flag: u32,
+        /// Padding.
+        pad0: u32,
+    }
+);
+
+const KERNEL: Kernel =
+    Kernel { name: "kernel", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+
+/// G(x, y) V(x, y) of consecutive pairs of surface points, per local area.
+pub fn kernel(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>) -> Result<GpuVec<f32>> {
+    let pairs = points.len() / 2;
+    let values = gpu.alloc("values", pairs)?;
+    let params = Params { flag: gpu.flag(&KERNEL), ..Params::default() };
+    let buffers = [scene.nodes.buffer(), scene.tris.buffer(), points.buffer(), values.buffer(), gpu.status()];
+    gpu.run(&KERNEL, &params, &buffers, pairs, HEAVY)?;
+    Ok(values)
+}

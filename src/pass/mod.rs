@@ -1,0 +1,130 @@
+//! One file a GPU pass: what it binds and how it is dispatched, nothing else.
+//!
+//! The functions take and give vectors that stay on the device, and do not wait. Before results are
+//! trusted, [`Gpu::check_finished`] tells whether every kernel came to its end.
+
+pub mod accumulate;
+pub mod adapt;
+pub mod assign;
+pub mod coefficients;
+pub mod direct;
+pub mod emit;
+pub mod engine;
+pub mod feature;
+pub mod gather;
+pub mod jacobi;
+pub mod kernel;
+pub mod readout;
+pub mod shoot;
+pub mod winner;
+
+pub use engine::GpuEngine;
+
+use crate::error::{Error, Result};
+use crate::gpu::{Gpu, GpuVec};
+use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
+use crate::scene::Geometry;
+use crate::twin::assign::Surface;
+use crate::twin::trace::STACK;
+
+/// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.
+macro_rules! params {
+    ($(#[$doc:meta])* { $($(#[$field_doc:meta])* $field:ident : $ty:ty),* $(,)? }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct Params {
+            /// First item.
+            pub base: u32,
+            /// Items in the dispatch.
+            pub count: u32,
+            $($(#[$field_doc])* pub $field: $ty),*
+        }
+    };
+}
+use params;
+
+/// A scene's geometry on the device.
+#[derive(Clone, Debug)]
+pub struct SceneBuffers {
+    /// Hierarchy.
+    pub nodes: GpuVec<BvhNode>,
+    /// Triangles.
+    pub tris: GpuVec<Tri>,
+    /// Materials.
+    pub materials: GpuVec<Material>,
+    /// Emitters.
+    pub emitters: GpuVec<Emitter>,
+    /// Sampling density of an emitter per unit of its summed emission.
+    pub emitter_density: f32,
+    /// Triangle of each tile.
+    pub tile_tri: GpuVec<u32>,
+}
+
+impl SceneBuffers {
+    /// Uploads a scene.
+    ///
+    /// Errors: [`Error::Limit`] where the hierarchy is too deep for the traversal stack or a buffer too large.
+    pub fn new(gpu: &Gpu, geometry: &Geometry) -> Result<SceneBuffers> {
+        let depth = depth(&geometry.nodes);
+        if depth > STACK {
+            return Err(Error::Limit {
+                what: "the scene's hierarchy".into(),
+                limit: "traversal stack",
+                need: depth as u64,
+                have: STACK as u64,
+                cure: "split very long triangles, or remove repeated geometry",
+            });
+        }
+        Ok(SceneBuffers {
+            nodes: gpu.upload("nodes", &geometry.nodes)?,
+            tris: gpu.upload("tris", &geometry.tris)?,
+            materials: gpu.upload("materials", &geometry.materials)?,
+            emitters: gpu.upload("emitters", &geometry.emitters)?,
+            emitter_density: geometry.emitter_density,
+            tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
+        })
+    }
+}
+
+/// A surface network on the device.
+#[derive(Clone, Debug)]
+pub struct SurfaceBuffers {
+    /// Nodes.
+    pub nodes: GpuVec<Node>,
+    /// Start of each tile's candidates.
+    pub offsets: GpuVec<u32>,
+    /// Candidates of all tiles.
+    pub candidates: GpuVec<Candidate>,
+    /// 1/L, per local length.
+    pub inv_unit: f32,
+    /// Weight of normals.
+    pub lambda: f32,
+}
+
+impl SurfaceBuffers {
+    /// Uploads a surface network.
+    pub fn new(gpu: &Gpu, surface: &Surface) -> Result<SurfaceBuffers> {
+        Ok(SurfaceBuffers {
+            nodes: gpu.upload("surface nodes", &surface.nodes)?,
+            offsets: gpu.upload("candidate offsets", &surface.offsets)?,
+            candidates: gpu.upload("candidates", &surface.candidates)?,
+            inv_unit: surface.inv_unit,
+            lambda: surface.lambda,
+        })
+    }
+}
+
+/// Most inner nodes on a way from the root to a leaf: what the traversal stack must hold.
+fn depth(nodes: &[BvhNode]) -> usize {
+    let mut deepest = 0;
+    let mut stack = vec![(0u32, 0usize)];
+    while let Some((i, above)) = stack.pop() {
+        let node = &nodes[i as usize];
+        deepest = deepest.max(above);
+        if node.count == 0 {
+            stack.extend([(node.first, above + 1), (node.first + 1, above + 1)]);
+        }
+    }
+    deepest
+}

@@ -1,0 +1,37 @@
+//! Pass `shoot`: cosine rays from given points. Twin: [`crate::twin::shoot`].
+
+use super::{SceneBuffers, params};
+use crate::error::Result;
+use crate::gpu::{Access, Gpu, GpuVec, HEAVY, Kernel};
+use crate::layout::Point;
+
+params!(
+    /// Parameters of `wgsl/shoot.wgsl`.
+    {
+        /// Place of the finished flag.
+        flag: u32,
+        /// Seed; each point has a sequence of its own.
+        seed: u32,
+        /// First ray of each point's sequence.
+        first: u32,
+        /// Consecutive hits a point.
+        rays: u32,
+        /// Padding.
+        pad0: u32,
+        /// Padding.
+        pad1: u32,
+    }
+);
+
+const KERNEL: Kernel =
+    Kernel { name: "shoot", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+
+/// Rays `first..first + rays` of each point's own sequence, `rays` consecutive hits a point.
+pub fn shoot(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>, seed: u32, first: u32, rays: u32) -> Result<GpuVec<Point>> {
+    let count = points.len() * rays as usize;
+    let hits = gpu.alloc("hits", count)?;
+    let params = Params { flag: gpu.flag(&KERNEL), seed, first, rays, ..Params::default() };
+    let buffers = [scene.nodes.buffer(), scene.tris.buffer(), points.buffer(), hits.buffer(), gpu.status()];
+    gpu.run(&KERNEL, &params, &buffers, count, HEAVY)?;
+    Ok(hits)
+}

@@ -1,0 +1,180 @@
+//! The shaders without a GPU: they parse, validate within the feature budget, keep the limits, and
+//! share their records with the host byte for byte.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use raycell::gpu::wgsl::{KERNELS, LIBS, compose_mapped};
+use std::collections::BTreeSet;
+use std::mem::{offset_of, size_of};
+
+/// Parses a kernel; a failure names the true file and line.
+fn parse(kernel: &str) -> naga::Module {
+    let composed = compose_mapped(kernel);
+    naga::front::wgsl::parse_str(&composed.source).unwrap_or_else(|e| {
+        let at = e.location(&composed.source).map_or(String::new(), |l| composed.locate(l.line_number as usize));
+        panic!("{at}: {}", e.emit_to_string(&composed.source))
+    })
+}
+
+#[test]
+fn every_file_is_listed() {
+    assert!(!KERNELS.is_empty() && !LIBS.is_empty());
+    for (folder, list) in [("wgsl", KERNELS), ("wgsl/lib", LIBS)] {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        let on_disk: BTreeSet<String> = std::fs::read_dir(path)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter_map(|name| name.strip_suffix(".wgsl").map(String::from))
+            .collect();
+        let listed: BTreeSet<String> = list.iter().map(|(name, _)| name.to_string()).collect();
+        assert_eq!(on_disk, listed, "{folder}");
+    }
+}
+
+#[test]
+fn kernels_validate_within_the_budget() {
+    for (kernel, _) in KERNELS {
+        let composed = compose_mapped(kernel);
+        let module = parse(kernel);
+        // No capability at all: core WebGPU only.
+        Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap_or_else(|e| {
+            let at = e.location(&composed.source).map_or(String::new(), |l| composed.locate(l.line_number as usize));
+            panic!("{kernel} {at}: {}", e.emit_to_string(&composed.source))
+        });
+
+        assert_eq!(module.entry_points.len(), 1, "{kernel}");
+        let entry = &module.entry_points[0];
+        assert_eq!(entry.name, "main", "{kernel}");
+        assert_eq!(entry.workgroup_size, [raycell::gpu::kernel::WORKGROUP, 1, 1], "{kernel}");
+
+        // Binding 0 is the uniform; storage buffers follow without a gap.
+        let mut bindings = BTreeSet::new();
+        for (_, var) in module.global_variables.iter() {
+            let Some(binding) = &var.binding else {
+                continue;
+            };
+            assert_eq!(binding.group, 0, "{kernel}");
+            match var.space {
+                naga::AddressSpace::Uniform => assert_eq!(binding.binding, 0, "{kernel}"),
+                naga::AddressSpace::Storage { .. } => assert!(bindings.insert(binding.binding), "{kernel}"),
+                other => panic!("{kernel}: {other:?}"),
+            }
+        }
+        assert!(bindings.len() <= 8, "{kernel} binds {} storage buffers", bindings.len());
+        assert_eq!(bindings, (1..=bindings.len() as u32).collect(), "{kernel}");
+    }
+}
+
+/// Name and offset of each member, and the size, of a struct of a module.
+fn layout_of(module: &naga::Module, name: &str) -> Option<(Vec<(String, usize)>, usize)> {
+    module.types.iter().find_map(|(_, ty)| match &ty.inner {
+        naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => {
+            let members = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize)).collect();
+            Some((members, *span as usize))
+        }
+        _ => None,
+    })
+}
+
+/// The same of a Rust struct.
+macro_rules! layout {
+    ($ty:path { $($member:ident),* $(,)? }) => {{
+        use $ty as Record;
+        (vec![$((stringify!($member).to_string(), offset_of!(Record, $member))),*], size_of::<Record>())
+    }};
+}
+
+#[test]
+fn records_match() {
+    use raycell::layout;
+    let text = LIBS.iter().find(|(name, _)| *name == "layout").unwrap().1;
+    let module = naga::front::wgsl::parse_str(text).unwrap();
+    let records = [
+        ("BvhNode", layout!(layout::BvhNode { min, count, max, first })),
+        ("Tri", layout!(layout::Tri { v0, material, v1, plane, v2, first_tile, normal, split })),
+        ("Material", layout!(layout::Material { rho, pad0, emit, pad1 })),
+        ("Emitter", layout!(layout::Emitter { tri, cdf, density, pad0 })),
+        ("Tile", layout!(layout::Tile { cdf, density })),
+        ("Point", layout!(layout::Point { p, tri, tile, kind, weight, density })),
+        ("Node", layout!(layout::Node { p, material, n, plane, mean, pad0 })),
+        ("Psi", layout!(layout::Psi { node, weight })),
+        ("NodeLight", layout!(layout::NodeLight { h, pad0, g0, pad1, g1, pad2 })),
+        ("Candidate", layout!(layout::Candidate { node, free })),
+        ("DirectSum", layout!(layout::DirectSum { sum, rounds, square, pad0 })),
+        ("Fixed", layout!(layout::Fixed { lo, hi })),
+        ("CellSums", layout!(layout::CellSums { feature, distortion, count, pad0 })),
+        ("Slot", layout!(layout::Slot { key, pad0, value, first, second })),
+        ("CellFlux", layout!(layout::CellFlux { flux, source })),
+        ("NodeSums", layout!(layout::NodeSums { mass, first, second, square, pad0 })),
+        ("Link", layout!(layout::Link { other, value, first, second })),
+        ("Plane", layout!(layout::Plane { i11, i12, i22, material })),
+    ];
+    for (name, rust) in &records {
+        let wgsl = layout_of(&module, name).unwrap_or_else(|| panic!("{name} is missing in wgsl/lib/layout.wgsl"));
+        assert_eq!(&wgsl, rust, "{name}");
+    }
+    // And nothing in WGSL that Rust lacks.
+    let named = module.types.iter().filter(|(_, ty)| matches!(ty.inner, naga::TypeInner::Struct { .. })).count();
+    assert_eq!(named, records.len());
+}
+
+#[test]
+fn parameters_match() {
+    use raycell::pass;
+    let params = [
+        ("sentinel", layout!(raycell::gpu::sentinel::Params { base, count, trips, bits })),
+        ("emit", layout!(pass::emit::Params { base, count, flag, seed, first, total, tiles, pad0 })),
+        ("shoot", layout!(pass::shoot::Params { base, count, flag, seed, first, rays, pad0, pad1 })),
+        ("kernel", layout!(pass::kernel::Params { base, count, flag, pad0 })),
+        (
+            "direct",
+            layout!(pass::direct::Params {
+                base,
+                count,
+                flag,
+                seed,
+                first,
+                rounds,
+                emitter,
+                cosine,
+                emitters,
+                emitter_density,
+                pad0,
+                pad1
+            }),
+        ),
+        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, pad0, pad1, pad2 })),
+        ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
+        ("winner", layout!(pass::winner::Params { base, count, flag, start, features, first, end, pad0 })),
+        ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),
+        ("adapt", layout!(pass::adapt::Params { base, count, flag, eta })),
+        (
+            "coefficients",
+            layout!(pass::coefficients::Params {
+                base,
+                count,
+                flag,
+                first,
+                end,
+                slots,
+                masses,
+                normalise,
+                rays,
+                pad0,
+                pad1,
+                pad2
+            }),
+        ),
+        ("flux", layout!(pass::coefficients::FluxParams { base, count, exact, normalise })),
+        ("beta", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
+        ("update", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
+        ("readout", layout!(pass::readout::Params { base, count, pad0, pad1 })),
+        ("gather", layout!(pass::gather::Params { base, count, flag, rays, first, end, lit, exact })),
+    ];
+    let listed: BTreeSet<&str> = params.iter().map(|(kernel, _)| *kernel).collect();
+    assert_eq!(listed, KERNELS.iter().map(|(name, _)| *name).collect(), "a kernel's Params are not compared");
+    for (kernel, rust) in params {
+        let wgsl = layout_of(&parse(kernel), "Params").unwrap_or_else(|| panic!("{kernel} has no Params"));
+        assert_eq!(wgsl, rust, "{kernel}");
+        assert_eq!(rust.0[..2], [("base".to_string(), 0), ("count".to_string(), 4)], "{kernel}");
+    }
+}

@@ -1,0 +1,115 @@
+// Pass direct: irradiance straight from emitters, by multiple importance sampling. Twin: src/twin/direct.rs.
+#import layout
+#import surface
+#import sobol
+#import invert
+
+struct Params {
+    base: u32,
+    count: u32,
+    flag: u32,
+    seed: u32,
+    first: u32, // first round
+    rounds: u32,
+    emitter: u32, // samples of the emitters' area a round
+    cosine: u32, // cosine directions a round
+    emitters: u32,
+    emitter_density: f32, // per unit of summed emission, per local area
+    pad0: u32,
+    pad1: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> bvh: array<BvhNode>;
+@group(0) @binding(2) var<storage, read> tris: array<Tri>;
+@group(0) @binding(3) var<storage, read> materials: array<Material>;
+@group(0) @binding(4) var<storage, read> emitters: array<Emitter>;
+@group(0) @binding(5) var<storage, read> points: array<Point>;
+@group(0) @binding(6) var<storage, read> active_points: array<u32>;
+@group(0) @binding(7) var<storage, read_write> sums: array<DirectSum>;
+@group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+
+fn cdf(i: u32) -> u32 {
+    return emitters[i].cdf;
+}
+
+// One sample of the emitters' area.
+fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
+    let ne = f32(params.emitter);
+    let nc = f32(params.cosine);
+    let u = sobol4(k, seed);
+    let drawn = invert_cdf(params.emitters, u.x);
+    let there = emitters[drawn.index].tri;
+    let root = sqrt(drawn.place);
+    let v = unit(u.y);
+    let x = position(there, root * (1.0 - v), root * v);
+    let g = kernel_g(x, tris[there].normal, p, tris[tri].normal);
+    let planes = vec2<u32>(tris[tri].plane, tris[there].plane);
+    if g > 0.0 && planes.x != planes.y && !segment_blocked(p, x, planes) {
+        return materials[tris[there].material].emit * (g / (ne * emitters[drawn.index].density + nc * g));
+    }
+    return vec3<f32>();
+}
+
+// One cosine direction; only front faces of emitters count.
+fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
+    let ne = f32(params.emitter);
+    let nc = f32(params.cosine);
+    let n = tris[tri].normal;
+    let u = sobol4(k, seed);
+    let direction = cosine_direction(n, unit(u.z), unit(u.w));
+    let met = first_hit(tri, p, direction);
+    if met.kind == FRONT {
+        let emit = materials[tris[met.hit.tri].material].emit;
+        let total = emit.x + emit.y + emit.z;
+        if total > 0.0 {
+            let cos_y = dot3(n, direction);
+            let cos_x = -dot3(tris[met.hit.tri].normal, direction);
+            let g = (cos_x / met.hit.t) * (cos_y / met.hit.t) / PI;
+            return emit * (g / (ne * total * params.emitter_density + nc * g));
+        }
+    }
+    return vec3<f32>();
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
+    if gid.x >= params.count {
+        return;
+    }
+    let i = active_points[params.base + gid.x];
+    if params.emitters == 0u {
+        sums[i].rounds += params.rounds;
+        return;
+    }
+    let tri = points[i].tri;
+    if tri == NONE {
+        return;
+    }
+    let p = points[i].p;
+    let seed = seed_of(params.seed, i);
+    var sum = sums[i].sum;
+    var square = sums[i].square;
+    var r = params.first;
+    for (; r < params.first + params.rounds; r++) {
+        var d = vec3<f32>();
+        var k = r * params.emitter;
+        for (; k < (r + 1u) * params.emitter; k++) {
+            d += area_sample(k, seed, tri, p);
+        }
+        unfinished = unfinished || k < (r + 1u) * params.emitter;
+        k = r * params.cosine;
+        for (; k < (r + 1u) * params.cosine; k++) {
+            d += cosine_sample(k, seed, tri, p);
+        }
+        unfinished = unfinished || k < (r + 1u) * params.cosine;
+        let mean = (d.x + d.y + d.z) * (1.0 / 3.0);
+        sum += d;
+        square += mean * mean;
+    }
+    unfinished = unfinished || r < params.first + params.rounds;
+    sums[i].sum = sum;
+    sums[i].square = square;
+    sums[i].rounds += params.rounds;
+    finish();
+}

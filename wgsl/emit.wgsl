@@ -1,0 +1,90 @@
+// Pass emit: start points by importance, cosine directions, first hits. Twin: src/twin/emit.rs.
+#import layout
+#import surface
+#import sobol
+#import invert
+
+struct Params {
+    base: u32,
+    count: u32,
+    flag: u32,
+    seed: u32,
+    first: u32, // first ray of the sequence
+    total: u32, // rays that the weights are divided by
+    tiles: u32,
+    pad0: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> bvh: array<BvhNode>;
+@group(0) @binding(2) var<storage, read> tris: array<Tri>;
+@group(0) @binding(3) var<storage, read> tiles: array<Tile>;
+@group(0) @binding(4) var<storage, read> tile_tri: array<u32>;
+@group(0) @binding(5) var<storage, read_write> points: array<Point>;
+@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+
+const PROBES = 11u; // cosine rays that decide whether a start is dead
+const SKY_PROBES = 4u; // probes after which a start that has seen sky only is alive
+
+fn cdf(i: u32) -> u32 {
+    return tiles[i].cdf;
+}
+
+// Whether a point that has not yet seen a front face is dead.
+fn is_dead(tri: u32, p: vec3<f32>, seed: u32, first: u32) -> bool {
+    let n = tris[tri].normal;
+    var back = select(0u, 1u, first == BACK);
+    var k = 0u;
+    for (; k < PROBES; k++) {
+        let u = sobol4(k, seed);
+        let met = first_hit(tri, p, cosine_direction(n, unit(u.z), unit(u.w)));
+        if met.kind == FRONT {
+            return false;
+        }
+        back += select(0u, 1u, met.kind == BACK);
+        if back == 0u && k + 1u == SKY_PROBES {
+            return false;
+        }
+    }
+    unfinished = unfinished || k < PROBES;
+    return 4u * back >= PROBES + 1u;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
+    if gid.x >= params.count {
+        return;
+    }
+    let item = params.base + gid.x;
+    let i = params.first + item;
+
+    // Draw the start and the direction.
+    let u = sobol4(i, params.seed);
+    let drawn = invert_cdf(params.tiles, u.x);
+    let tri = tile_tri[drawn.index];
+    let b = place_in_tile(tris[tri].split, drawn.index - tris[tri].first_tile, drawn.place, unit(u.y));
+    let p = position(tri, b.x, b.y);
+    let direction = cosine_direction(tris[tri].normal, unit(u.z), unit(u.w));
+
+    // Trace, and weigh by what was met.
+    let met = first_hit(tri, p, direction);
+    let density = tiles[drawn.index].density;
+    let n = f32(params.total);
+    var s = Point(p, tri, drawn.index, met.kind, 0.0, density);
+    var end = Point(direction, NONE, NONE, met.kind, 0.0, 0.0);
+    if met.kind == FRONT {
+        end = surface_point(met.hit.tri, met.hit.b1, met.hit.b2);
+        end.kind = met.kind;
+        end.density = tiles[end.tile].density;
+        s.weight = 1.0 / (n * (density + end.density));
+        end.weight = s.weight;
+    } else if is_dead(tri, p, seed_of(params.seed, i), met.kind) {
+        s.kind = DEAD;
+        end.kind = DEAD;
+    } else {
+        s.weight = 1.0 / (n * density);
+    }
+    points[2u * item] = s;
+    points[2u * item + 1u] = end;
+    finish();
+}

@@ -1,0 +1,52 @@
+// Pass coefficients, second kernel: flux and source of the cells. Twin: src/twin/coefficients.rs.
+#import layout
+#import fixed
+
+struct Params {
+    base: u32,
+    count: u32,
+    exact: u32, // 1: emitter ends send rho D, 0: E
+    normalise: f32, // what weights are multiplied by
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> points: array<Point>;
+@group(0) @binding(2) var<storage, read> winners: array<u32>;
+@group(0) @binding(3) var<storage, read> tris: array<Tri>;
+@group(0) @binding(4) var<storage, read> materials: array<Material>;
+@group(0) @binding(5) var<storage, read> direct: array<DirectSum>;
+@group(0) @binding(6) var<storage, read_write> sums: array<atomic<u32>>; // CellFlux, by words
+
+const WORDS = 8u; // of CellFlux
+
+fn add(word: u32, value: f32) {
+    let v = encode(value, POWER);
+    let old = atomicAdd(&sums[word], v.x);
+    let hi = v.y + carry(old, v.x);
+    if hi != 0u {
+        atomicAdd(&sums[word + 1u], hi);
+    }
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
+    if gid.x >= params.count {
+        return;
+    }
+    let d = params.base + gid.x;
+    let w = points[d].weight * params.normalise;
+    if w <= 0.0 || points[d].kind != FRONT || winners[d] == NONE {
+        return;
+    }
+    let x = d ^ 1u;
+    let material = tris[points[x].tri].material;
+    var source = materials[material].emit;
+    if params.exact == 1u {
+        source = materials[material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)));
+    }
+    let at = WORDS * winners[d];
+    add(at, w);
+    add(at + 2u, w * source.x);
+    add(at + 4u, w * source.y);
+    add(at + 6u, w * source.z);
+}

@@ -1,0 +1,137 @@
+// Records shared with the host byte for byte: the twins of src/layout.rs (tests/wgsl.rs compares them).
+
+const NONE = 0xffffffffu;
+
+// Point.kind
+const DEAD = 0u; // a start that sees only back faces: takes no part
+const FRONT = 1u; // both ends on front faces
+const SKY = 2u; // the ray left the scene
+const BACK = 3u; // the ray ended on a back face
+
+struct BvhNode {
+    min: vec3<f32>,
+    count: u32, // triangles in a leaf, 0 for an inner node
+    max: vec3<f32>,
+    first: u32, // first child or first triangle
+}
+
+struct Tri {
+    v0: vec3<f32>,
+    material: u32,
+    v1: vec3<f32>,
+    plane: u32, // planar piece
+    v2: vec3<f32>,
+    first_tile: u32,
+    normal: vec3<f32>,
+    split: u32, // tiles along an edge
+}
+
+struct Material {
+    rho: vec3<f32>, // reflectance
+    pad0: u32,
+    emit: vec3<f32>, // emitted radiosity, scaled
+    pad1: u32,
+}
+
+struct Emitter {
+    tri: u32,
+    cdf: u32, // upper end of its interval, in 2^-32
+    density: f32, // per local area
+    pad0: u32,
+}
+
+struct Tile {
+    cdf: u32,
+    density: f32,
+}
+
+struct Point {
+    p: vec3<f32>, // position, or direction where the ray escaped
+    tri: u32,
+    tile: u32,
+    kind: u32,
+    weight: f32, // local area
+    density: f32, // per local area
+}
+
+struct Node {
+    p: vec3<f32>,
+    material: u32,
+    n: vec3<f32>,
+    plane: u32,
+    mean: vec2<f32>, // mean of the deposit minus p, along the tangents
+    pad0: vec2<u32>,
+}
+
+struct Psi {
+    node: vec4<u32>,
+    weight: vec4<f32>,
+}
+
+struct NodeLight {
+    h: vec3<f32>, // irradiance at the deposit mean
+    pad0: u32,
+    g0: vec3<f32>, // gradients along the tangents
+    pad1: u32,
+    g1: vec3<f32>,
+    pad2: u32,
+}
+
+struct Candidate {
+    node: u32,
+    free: u32, // 1: nothing can stand between
+}
+
+struct DirectSum {
+    sum: vec3<f32>, // of the rounds' estimates of D
+    rounds: u32,
+    square: f32, // sum of the squares of the rounds' band means
+    pad0: array<u32, 3>,
+}
+
+struct Fixed {
+    lo: u32,
+    hi: u32,
+}
+
+struct CellSums {
+    feature: array<Fixed, 13>,
+    distortion: Fixed,
+    count: Fixed,
+    pad0: Fixed,
+}
+
+struct Slot {
+    key: u32, // node + 1; 0: empty
+    pad0: u32,
+    value: Fixed,
+    first: Fixed,
+    second: Fixed,
+}
+
+struct CellFlux {
+    flux: Fixed,
+    source: array<Fixed, 3>,
+}
+
+struct NodeSums {
+    mass: Fixed,
+    first: array<Fixed, 2>,
+    second: array<Fixed, 3>,
+    square: Fixed,
+    pad0: Fixed,
+}
+
+struct Link {
+    other: u32,
+    value: f32,
+    first: f32,
+    second: f32,
+}
+
+struct Plane {
+    i11: f32,
+    i12: f32,
+    i22: f32,
+    material: u32,
+}

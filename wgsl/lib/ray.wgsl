@@ -1,0 +1,133 @@
+// Traversal: the twin of src/twin/trace.rs. The kernel binds `bvh: array<BvhNode>` and `tris: array<Tri>`.
+#import layout
+#import math
+#import finish
+
+// Depth of the stack; the host refuses deeper hierarchies.
+const STACK = 48u;
+
+struct Hit {
+    t: f32, // in units of the direction's length
+    tri: u32, // or NONE
+    b1: f32,
+    b2: f32,
+}
+
+// The axes turned so that axis kz comes last.
+fn turned(v: vec3<f32>, kz: u32) -> vec3<f32> {
+    return select(select(v.xyz, v.zxy, kz == 1u), v.yzx, kz == 0u);
+}
+
+// Twice the signed area of (0, a, b), the same bits but for the sign if a and b swap.
+fn edge(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    if a.x < b.x || (a.x == b.x && a.y < b.y) {
+        return a.x * b.y - a.y * b.x;
+    }
+    return -(b.x * a.y - b.y * a.x);
+}
+
+fn nonzero(x: f32) -> f32 {
+    return select(x, select(1e-20, -1e-20, x < 0.0), abs(x) < 1e-20);
+}
+
+// Entry distance into a box, or F32_MAX; widened by 4 ulp so that rounding never loses a box.
+fn enter(i: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
+    let t0 = (bvh[i].min - origin) * inv;
+    let t1 = (bvh[i].max - origin) * inv;
+    let low = min(t0, t1);
+    let high = max(t0, t1);
+    let near = max(max(max(low.x, low.y), low.z), 0.0);
+    let far = min(min(high.x, high.y), high.z) * 1.0000005;
+    return select(F32_MAX, near, near * 0.9999995 <= far && near * 0.9999995 < t_max);
+}
+
+// Walks the hierarchy, ignoring two planar pieces; `any` stops at the first hit.
+fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+    // Shear the direction to +z, its largest axis last.
+    let a = abs(direction);
+    var kz = 2u;
+    if a.x > a.y && a.x > a.z {
+        kz = 0u;
+    } else if a.y > a.z {
+        kz = 1u;
+    }
+    let d = turned(direction, kz);
+    let sx = d.x / d.z;
+    let sy = d.y / d.z;
+    let sz = 1.0 / d.z;
+    let inv = vec3<f32>(1.0 / nonzero(direction.x), 1.0 / nonzero(direction.y), 1.0 / nonzero(direction.z));
+
+    var hit = Hit(t_max, NONE, 0.0, 0.0);
+    var stack: array<u32, STACK>;
+    var top = 0u;
+    var at = 0u;
+    var open = enter(0u, origin, inv, hit.t) < F32_MAX;
+    while open {
+        let count = bvh[at].count;
+        let first = bvh[at].first;
+        var pop = true;
+        if count > 0u {
+            var i = first;
+            for (; i < first + count; i++) {
+                let plane = tris[i].plane;
+                if plane == skip.x || plane == skip.y {
+                    continue;
+                }
+                // Meet the triangle in the sheared frame.
+                let va = turned(tris[i].v0 - origin, kz);
+                let vb = turned(tris[i].v1 - origin, kz);
+                let vc = turned(tris[i].v2 - origin, kz);
+                let pa = vec2<f32>(va.x - sx * va.z, va.y - sy * va.z);
+                let pb = vec2<f32>(vb.x - sx * vb.z, vb.y - sy * vb.z);
+                let pc = vec2<f32>(vc.x - sx * vc.z, vc.y - sy * vc.z);
+                let u = edge(pc, pb);
+                let v = edge(pa, pc);
+                let w = edge(pb, pa);
+                let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+                let det = u + v + w;
+                if outside || det == 0.0 {
+                    continue;
+                }
+                let t = (u * (sz * va.z) + v * (sz * vb.z) + w * (sz * vc.z)) / det;
+                if t > 0.0 && t < hit.t {
+                    hit = Hit(t, i, v / det, w / det);
+                    if any_hit {
+                        return hit;
+                    }
+                }
+            }
+            unfinished = unfinished || i < first + count;
+        } else {
+            // Go to the nearer child, keep the farther.
+            let near0 = enter(first, origin, inv, hit.t);
+            let near1 = enter(first + 1u, origin, inv, hit.t);
+            let swap = near0 > near1;
+            let far = max(near0, near1);
+            if min(near0, near1) < F32_MAX {
+                if far < F32_MAX {
+                    unfinished = unfinished || top >= STACK;
+                    stack[min(top, STACK - 1u)] = select(first + 1u, first, swap);
+                    top++;
+                }
+                at = select(first, first + 1u, swap);
+                pop = false;
+            }
+        }
+        if pop {
+            if top == 0u {
+                open = false;
+            } else {
+                top--;
+                at = stack[min(top, STACK - 1u)];
+            }
+        }
+    }
+    // Left early by the driver.
+    unfinished = unfinished || open;
+    return hit;
+}
+
+// Whether the open segment from a to b is blocked, two pieces apart.
+fn segment_blocked(a: vec3<f32>, b: vec3<f32>, skip: vec2<u32>) -> bool {
+    return walk(a, b - a, 1.0, skip, true).tri != NONE;
+}

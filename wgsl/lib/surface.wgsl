@@ -1,0 +1,61 @@
+// Points on triangles and what their rays meet: the rest of src/twin/trace.rs, and the helpers of
+// src/twin/emit.rs. The kernel binds what lib/ray.wgsl asks for.
+#import ray
+
+// The tile of a triangle that holds barycentric coordinates.
+fn tile_of(tri: u32, b1: f32, b2: f32) -> u32 {
+    let n = tris[tri].split;
+    let x = max(b1, 0.0) * f32(n);
+    let y = max(b2, 0.0) * f32(n);
+    let i = min(u32(x), n - 1u);
+    let j = min(u32(y), n - 1u - i);
+    let upper = (x - f32(i)) + (y - f32(j)) > 1.0 && j + 1u < n - i;
+    return tris[tri].first_tile + i * (2u * n - i) + 2u * j + select(0u, 1u, upper);
+}
+
+// Barycentric coordinates of a place (a, b) in [0,1)^2 of tile k of a triangle cut n times.
+fn place_in_tile(n: u32, k: u32, a: f32, b: f32) -> vec2<f32> {
+    // Row i starts at i(2n - i): n - i is the root of n^2 - k rounded up, exactly.
+    let left = n * n - k;
+    var rows = u32(ceil(sqrt(f32(left))));
+    rows -= select(0u, 1u, (rows - 1u) * (rows - 1u) >= left);
+    rows += select(0u, 1u, rows * rows < left);
+    let i = n - rows;
+    let in_row = k - i * (2u * n - i);
+    let j = in_row / 2u;
+    let root = sqrt(a);
+    let s = root * (1.0 - b);
+    let t = root * b;
+    let scale = 1.0 / f32(n);
+    if in_row % 2u == 0u {
+        return vec2<f32>((f32(i) + s) * scale, (f32(j) + t) * scale);
+    }
+    return vec2<f32>((f32(i) + 1.0 - s) * scale, (f32(j) + 1.0 - t) * scale);
+}
+
+fn position(tri: u32, b1: f32, b2: f32) -> vec3<f32> {
+    let v0 = tris[tri].v0;
+    return v0 + (tris[tri].v1 - v0) * b1 + (tris[tri].v2 - v0) * b2;
+}
+
+// A surface point with its tile; kind, weight and density are left 0.
+fn surface_point(tri: u32, b1: f32, b2: f32) -> Point {
+    return Point(position(tri, b1, b2), tri, tile_of(tri, b1, b2), 0u, 0.0, 0.0);
+}
+
+struct Met {
+    kind: u32,
+    hit: Hit,
+}
+
+// What a ray from a point on triangle `tri` meets.
+fn first_hit(tri: u32, p: vec3<f32>, direction: vec3<f32>) -> Met {
+    let hit = walk(p, direction, F32_MAX, vec2<u32>(tris[tri].plane, NONE), false);
+    if hit.tri == NONE {
+        return Met(SKY, hit);
+    }
+    if dot3(tris[hit.tri].normal, direction) < 0.0 {
+        return Met(FRONT, hit);
+    }
+    return Met(BACK, hit);
+}
