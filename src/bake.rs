@@ -11,6 +11,7 @@ use crate::layout::{DirectSum, NONE, NodeLight, Point, Tile, kind};
 use crate::network::{growth, nodes};
 use crate::output::report::{Energy, Report, SceneReport, Seconds, SolverReport};
 use crate::params::{Direct, Params};
+use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::radiosity::components::{Components, Splitter};
 use crate::radiosity::{coefficients, solver};
@@ -30,6 +31,8 @@ use std::time::Instant;
 pub enum Backend {
     /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
     Cpu,
+    /// Compute shaders on a device.
+    Gpu(std::sync::Arc<crate::gpu::Gpu>),
 }
 
 /// Rays of the pilot network.
@@ -134,6 +137,7 @@ pub fn bake(backend: &Backend, scene: &Scene, params: &Params, progress: &mut dy
     }
     let mut solution = match backend {
         Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, &mut progress)?,
+        Backend::Gpu(gpu) => run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, &mut progress)?,
     };
     let report = solution.report_mut();
     report.seconds.bvh = Some(bvh);

@@ -132,6 +132,15 @@ fn promised_flags_and_commands_are_refused_by_name() {
 }
 
 #[test]
+fn no_device_is_3_and_never_the_twin_in_silence() {
+    let dir = grey();
+    dir.refuses("bake s.obj --adapter no-such-thing", 3, &["raycell: error: no usable GPU device", "--backend cpu"]);
+    let listed = dir.run("adapters --backend vulkan --adapter no-such-thing");
+    let text = String::from_utf8_lossy(&listed.stdout);
+    assert!(listed.status.success() && text.contains("--backend cpu") && !text.contains("would be used"), "{text}");
+}
+
+#[test]
 fn usage_errors_are_2_and_help_is_0() {
     let dir = Dir::new();
     dir.refuses("", 2, &["Usage"]);

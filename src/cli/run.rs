@@ -6,6 +6,8 @@ use super::log::Log;
 use super::pending::Pending;
 use crate::bake::{Backend, bake};
 use crate::error::{Error, Result};
+use crate::gpu::{Gpu, device, device::BackendChoice};
+use crate::output::report::AdapterReport;
 use crate::output::{image, ply, points, report};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Flow};
@@ -13,8 +15,8 @@ use crate::scene::Scene;
 use crate::solution::{Answer, Camera, Solution, Status, SurfacePoint};
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 pub fn run(command: Command) -> Result<()> {
@@ -34,19 +36,22 @@ fn bake_scene(flags: flags::Bake) -> Result<()> {
     let scene = Scene::load(&flags.scene)?;
     let load = begin.elapsed();
     check_folder(&flags.output)?;
-    let backend = open(&flags.device)?;
-
     let mut log = Log::new(flags.device.quiet);
+    let machine = Machine::open(&flags.device, &log)?;
+    let backend = &machine.backend;
+
     let stop = interrupt();
-    let mut solution = bake(&backend, &scene, &params, &mut |event| heed(&mut log, &stop, event))?;
+    let baked = bake(backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
+    let mut solution = machine.judge("the bake", baked)?;
 
     // Everything is read out before the first file appears.
     let begin_readout = Instant::now();
     log.event(&Event::Stage { name: "readout" });
     let answers =
-        points_in.as_ref().map(|p| solution.query_with(&backend, p, &mut |event| heed(&mut log, &stop, event))).transpose()?;
-    let picture = camera.map(|c| solution.render(&backend, &c)).transpose()?;
-    let mesh = flags.vertices.then(|| solution.vertices(&backend)).transpose()?;
+        points_in.as_ref().map(|p| solution.query_with(backend, p, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let answers = machine.judge("the points", answers)?;
+    let picture = machine.judge("the picture", camera.map(|c| solution.render(backend, &c)).transpose())?;
+    let mesh = machine.judge("the vertices", flags.vertices.then(|| solution.vertices(backend)).transpose())?;
     log.finish();
     let readout = begin_readout.elapsed();
 
@@ -69,7 +74,10 @@ fn bake_scene(flags: flags::Bake) -> Result<()> {
     }
     solution.save(&dir.join("solution.rcell"))?;
     wrote("solution.rcell", "");
-    let seconds = &mut solution.report_mut().seconds;
+    let report = solution.report_mut();
+    report.adapter = machine.adapter;
+    report.memory_bytes.host = host_bytes();
+    let seconds = &mut report.seconds;
     seconds.load = Some(load.as_secs_f64());
     seconds.readout = Some(readout.as_secs_f64());
     seconds.total = Some(begin.elapsed().as_secs_f64());
@@ -81,11 +89,12 @@ fn bake_scene(flags: flags::Bake) -> Result<()> {
 fn query(flags: flags::Query) -> Result<()> {
     let points_in: Vec<SurfacePoint> = points::read(&flags.points)?;
     let solution = Solution::load(&flags.solution)?;
-    let backend = open(&flags.device)?;
     let mut log = Log::new(flags.device.quiet);
+    let machine = Machine::open(&flags.device, &log)?;
     log.event(&Event::Stage { name: "readout" });
     let stop = interrupt();
-    let answers = solution.query_with(&backend, &points_in, &mut |event| heed(&mut log, &stop, event))?;
+    let answers = solution.query_with(&machine.backend, &points_in, &mut |event| heed(&mut log, &stop, event));
+    let answers = machine.judge("the points", answers)?;
     log.finish();
     points::write(&flags.output, &points_in, &answers)?;
     log.line(&format!("wrote {}{}", flags.output.display(), off_surface(&answers)));
@@ -101,23 +110,24 @@ fn render(flags: flags::Render) -> Result<()> {
     })?;
     let mut log = Log::new(flags.device.quiet);
     let is_solution = flags.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("rcell"));
-    let (backend, solution) = if is_solution {
+    let (machine, solution) = if is_solution {
         let n = &flags.network;
         if n.seed.is_some() || n.rays.is_some() || n.cells.is_some() || n.direct.is_some() {
             log.warning("--seed, --rays, --cells and --direct shape a bake; this solution is already baked");
         }
         let solution = Solution::load(&flags.input)?;
-        (open(&flags.device)?, solution)
+        (Machine::open(&flags.device, &log)?, solution)
     } else {
         let params = params(&flags.network)?;
         let scene = Scene::load(&flags.input)?;
-        let backend = open(&flags.device)?;
+        let machine = Machine::open(&flags.device, &log)?;
         let stop = interrupt();
-        let solution = bake(&backend, &scene, &params, &mut |event| heed(&mut log, &stop, event))?;
-        (backend, solution)
+        let baked = bake(&machine.backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
+        let solution = machine.judge("the bake", baked)?;
+        (machine, solution)
     };
     log.event(&Event::Stage { name: "readout" });
-    let picture = solution.render(&backend, &camera)?;
+    let picture = machine.judge("the picture", solution.render(&machine.backend, &camera))?;
     log.finish();
     let tone = image::write(&flags.output, &picture, flags.camera.exposure)?;
     let note = tone.map_or(" (linear radiance)".into(), |t| format!(" ({t})"));
@@ -125,9 +135,25 @@ fn render(flags: flags::Render) -> Result<()> {
     Ok(())
 }
 
-fn adapters(_flags: flags::Adapters) -> Result<()> {
+fn adapters(flags: flags::Adapters) -> Result<()> {
     let mut text = String::new();
-    text += "cpu: plain-Rust twin, slow, needs no driver (--backend cpu)\n";
+    if let Some(choice) = choice(flags.device.backend) {
+        for line in device::list_adapters(choice, flags.device.adapter.as_deref()) {
+            let l = &line.limits;
+            text += &format!(
+                "{line}\n    buffer {} MiB, binding {} MiB, {} storage buffers a stage, {} invocations, {} KiB workgroup memory\n",
+                l.max_buffer_size >> 20,
+                l.max_storage_buffer_binding_size >> 20,
+                l.max_storage_buffers_per_shader_stage,
+                l.max_compute_invocations_per_workgroup,
+                l.max_compute_workgroup_storage_size >> 10,
+            );
+        }
+        if text.is_empty() {
+            text += "no adapter; ci/setup installs a software driver on Debian and Ubuntu\n";
+        }
+    }
+    text += "cpu: plain-Rust twin, slow, needs no driver, never chosen by auto (--backend cpu)\n";
     // A reader that has seen enough (head) is no error.
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::Write { path: "stdout".into(), source: e }),
@@ -170,11 +196,54 @@ fn params(flags: &flags::Network) -> Result<Params> {
     Ok(params)
 }
 
-fn open(flags: &flags::Device) -> Result<Backend> {
-    match flags.backend {
-        flags::Backend::Cpu => Ok(Backend::Cpu),
-        other => Err(Error::NoDevice { why: format!("--backend {other:?} is not wired yet").to_lowercase() }),
+/// What a job runs on, and what a report says of it.
+struct Machine {
+    backend: Backend,
+    adapter: Option<AdapterReport>,
+    failure: Option<Arc<Mutex<Option<String>>>>,
+}
+
+impl Machine {
+    fn open(flags: &flags::Device, log: &Log) -> Result<Machine> {
+        let Some(choice) = choice(flags.backend) else {
+            return Ok(Machine { backend: Backend::Cpu, adapter: None, failure: None });
+        };
+        let open = device::open(choice, flags.adapter.as_deref())?;
+        let info = &open.info;
+        let driver = [&info.driver, &info.driver_info].map(|s| s.trim()).join(" ").trim().to_string();
+        log.line(&format!("running on {} ({:?}, {driver})", info.name, info.backend));
+        let adapter = AdapterReport { name: info.name.clone(), backend: format!("{:?}", info.backend).to_lowercase(), driver };
+        let gpu = Gpu::new(&open.device, &open.queue)?;
+        Ok(Machine { backend: Backend::Gpu(Arc::new(gpu)), adapter: Some(adapter), failure: Some(open.failure) })
     }
+
+    /// A result of this machine: where the device failed meanwhile, that is the error, whatever came of it.
+    fn judge<T>(&self, stage: &str, result: Result<T>) -> Result<T> {
+        let failure = self.failure.as_ref().and_then(|f| f.lock().unwrap_or_else(|e| e.into_inner()).clone());
+        match failure {
+            Some(why) => Err(Error::Device { stage: stage.into(), why }),
+            None => result,
+        }
+    }
+}
+
+/// The graphics interface asked for; none for the twin.
+fn choice(backend: flags::Backend) -> Option<BackendChoice> {
+    match backend {
+        flags::Backend::Auto => Some(BackendChoice::Auto),
+        flags::Backend::Vulkan => Some(BackendChoice::Vulkan),
+        flags::Backend::Metal => Some(BackendChoice::Metal),
+        flags::Backend::Dx12 => Some(BackendChoice::Dx12),
+        flags::Backend::Gl => Some(BackendChoice::Gl),
+        flags::Backend::Cpu => None,
+    }
+}
+
+/// Most memory this process has held, where the system tells.
+fn host_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
 }
 
 /// Refuses a folder that cannot be one, before the work and without making it.
