@@ -7,10 +7,12 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::layout::{DirectSum, NONE, NodeLight, Point, Tile, kind};
 use crate::network::{growth, nodes};
 use crate::output::report::{Energy, Report, SceneReport, Seconds, SolverReport};
 use crate::params::{Direct, Params};
+use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::radiosity::components::{Components, Splitter};
 use crate::radiosity::{coefficients, solver};
@@ -22,6 +24,7 @@ use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 use crate::twin::winner::{Feature, Metric};
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What a bake runs on.
@@ -30,6 +33,8 @@ use std::time::Instant;
 pub enum Backend {
     /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
     Cpu,
+    /// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
+    Gpu(Arc<Gpu>),
 }
 
 /// Rays of the pilot network.
@@ -134,6 +139,7 @@ pub fn bake(backend: &Backend, scene: &Scene, params: &Params, progress: &mut dy
     }
     let mut solution = match backend {
         Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, &mut progress)?,
+        Backend::Gpu(gpu) => run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, &mut progress)?,
     };
     let report = solution.report_mut();
     report.seconds.bvh = Some(bvh);

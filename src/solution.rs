@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::layout::{NONE, Node, NodeLight, Point};
 use crate::output::report::Report;
 use crate::params::Params;
+use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::radiosity::coefficients::Coefficients;
 use crate::scene::{Geometry, Scene};
@@ -144,6 +145,7 @@ impl Solution {
         let mut progress = Progress::new(tell);
         match backend {
             Backend::Cpu => on(self, &mut TwinEngine::new(&self.geometry), points, &mut progress),
+            Backend::Gpu(gpu) => on(self, &mut GpuEngine::new(gpu, &self.geometry)?, points, &mut progress),
         }
     }
 
