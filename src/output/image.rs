@@ -46,7 +46,7 @@ impl std::fmt::Display for Tone {
     }
 }
 
-/// Whether [`write`] knows what to do with a file of this name. Errors: [`Error::InvalidParam`].
+/// Whether [`write()`] knows what to do with a file of this name. Errors: [`Error::InvalidParam`].
 pub fn check_name(path: &Path) -> Result<()> {
     match extension(path).as_str() {
         "exr" | "png" => Ok(()),
