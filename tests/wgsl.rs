@@ -122,7 +122,7 @@ fn parameters_match() {
     use raycell::pass;
     let params = [
         ("sentinel", layout!(raycell::gpu::sentinel::Params { base, count, trips, bits })),
-        ("emit", layout!(pass::emit::Params { base, count, flag, seed, first, total, tiles, pad0 })),
+        ("emit", layout!(pass::emit::Params { base, count, flag, seed, first, total, tiles, rays, bits, pad0, pad1, pad2 })),
         ("probe", layout!(pass::emit::ProbeParams { base, count, flag, seed, first, pad0, pad1, pad2 })),
         ("shoot", layout!(pass::shoot::Params { base, count, flag, seed, first, rays, pad0, pad1 })),
         ("kernel", layout!(pass::kernel::Params { base, count, flag, pad0 })),

@@ -12,7 +12,11 @@ struct Params {
     first: u32, // first ray of the sequence
     total: u32, // rays that the weights are divided by
     tiles: u32,
+    rays: u32,
+    bits: u32, // of the number of invocations, a power of two >= 2
     pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -31,10 +35,12 @@ fn cdf(i: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
-    if gid.x >= params.count {
+    // Take the rays in the order of their starts: the first dimension of the sequence reverses the
+    // index's bits. Neighbouring invocations then walk the same part of the hierarchy.
+    let item = reverseBits(params.base + gid.x) >> (32u - params.bits);
+    if gid.x >= params.count || item >= params.rays {
         return;
     }
-    let item = params.base + gid.x;
     let i = params.first + item;
 
     // Draw the start and the direction.

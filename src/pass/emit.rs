@@ -20,8 +20,16 @@ params!(
         total: u32,
         /// Number of tiles.
         tiles: u32,
+        /// Number of rays.
+        rays: u32,
+        /// Binary digits of a ray's place in the batch; invocations are 2^bits.
+        bits: u32,
         /// Padding.
         pad0: u32,
+        /// Padding.
+        pad1: u32,
+        /// Padding.
+        pad2: u32,
     }
 );
 
@@ -66,7 +74,17 @@ pub fn emit(
 ) -> Result<GpuVec<Point>> {
     let points = gpu.alloc("points", 2 * count as usize)?;
     let suspects = gpu.alloc::<u32>("suspects", 1 + count as usize)?;
-    let params = Params { flag: gpu.flag(&KERNEL), seed, first, total, tiles: tiles.len() as u32, ..Params::default() };
+    let bits = count.next_power_of_two().trailing_zeros().max(1);
+    let params = Params {
+        flag: gpu.flag(&KERNEL),
+        seed,
+        first,
+        total,
+        tiles: tiles.len() as u32,
+        rays: count,
+        bits,
+        ..Params::default()
+    };
     let buffers = [
         scene.nodes.buffer(),
         scene.tris.buffer(),
@@ -76,7 +94,8 @@ pub fn emit(
         suspects.buffer(),
         gpu.status(),
     ];
-    gpu.run(&KERNEL, &params, &buffers, count as usize, HEAVY)?;
+    let invocations = if count == 0 { 0 } else { 1 << bits };
+    gpu.run(&KERNEL, &params, &buffers, invocations, HEAVY)?;
     let params = ProbeParams { flag: gpu.flag(&PROBE), seed, first, ..ProbeParams::default() };
     let buffers = [scene.nodes.buffer(), scene.tris.buffer(), suspects.buffer(), points.buffer(), gpu.status()];
     gpu.run(&PROBE, &params, &buffers, count as usize, HEAVY)?;
