@@ -33,7 +33,7 @@ use std::time::Instant;
 pub enum Backend {
     /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
     Cpu,
-/// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
+    /// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
     Gpu(Arc<Gpu>),
 }
 

@@ -143,7 +143,7 @@ fn parameters_match() {
                 pad1
             }),
         ),
-        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, pad0, pad1, pad2 })),
+        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, pad0, pad1 })),
         ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
         ("winner", layout!(pass::winner::Params { base, count, flag, start, features, first, end, pad0 })),
         ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),

@@ -8,18 +8,19 @@ struct Params {
     flag: u32,
     inv_unit: f32, // 1/L
     lambda: f32, // weight of normals
+    first_list: u32, // where the candidates begin
     pad0: u32,
     pad1: u32,
-    pad2: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> bvh: array<BvhNode>;
 @group(0) @binding(2) var<storage, read> tris: array<Tri>;
 @group(0) @binding(3) var<storage, read> nodes: array<Node>;
-@group(0) @binding(4) var<storage, read> offsets: array<u32>; // a tile's candidates
-@group(0) @binding(5) var<storage, read> candidates: array<Candidate>;
-@group(0) @binding(6) var<storage, read> points: array<Point>;
+// Start of each tile's candidates, then all candidates, two words each.
+@group(0) @binding(4) var<storage, read> lists: array<u32>;
+@group(0) @binding(5) var<storage, read> points: array<Point>;
+@group(0) @binding(6) var<storage, read> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> psi: array<Psi>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
 
@@ -27,6 +28,15 @@ const NEAREST = 9u; // candidates looked at
 const PLANE = 0.3; // share of the distance by which one point may lie off the other's plane
 const PLANE_FLOOR = 1e-3; // the same in units of L
 const LIFT = 0.1; // share of the distance by which the segment is lifted
+
+fn candidate_node(c: u32) -> u32 {
+    return lists[params.first_list + 2u * c];
+}
+
+// Whether nothing can stand between the tile and the node.
+fn candidate_free(c: u32) -> bool {
+    return lists[params.first_list + 2u * c + 1u] == 1u;
+}
 
 // Squared distance in the metric (y/L, lambda n).
 fn distance2(p: vec3<f32>, n: vec3<f32>, node: u32) -> f32 {
@@ -98,10 +108,10 @@ fn weights(i: u32) -> Psi {
     var c6 = NONE;
     var c7 = NONE;
     var c8 = NONE;
-    let end = offsets[tile + 1u];
-    var c = offsets[tile];
+    let end = lists[tile + 1u];
+    var c = lists[tile];
     for (; c < end; c++) {
-        let d = distance2(p, n, candidates[c].node);
+        let d = distance2(p, n, candidate_node(c));
         if d < d8 {
             let b0 = d < d0;
             let b1 = d < d1;
@@ -146,9 +156,9 @@ fn weights(i: u32) -> Psi {
         while !pending && k < 2u * NEAREST && found < 5u && orphan == NONE && (k < NEAREST || found == 0u) {
             let at = near_c[k % NEAREST];
             if at != NONE {
-                node = candidates[at].node;
+                node = candidate_node(at);
                 if k >= NEAREST || compatible(p, n, node) {
-                    pending = candidates[at].free == 0u;
+                    pending = !candidate_free(at);
                     if !pending {
                         take(k, near_d[k % NEAREST], node);
                     }
@@ -183,7 +193,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if gid.x >= params.count {
         return;
     }
-    let i = params.base + gid.x;
+    let i = order[params.base + gid.x];
     psi[i] = weights(i);
     finish();
 }

@@ -75,16 +75,8 @@ pub fn emit(
     let points = gpu.alloc("points", 2 * count as usize)?;
     let suspects = gpu.alloc::<u32>("suspects", 1 + count as usize)?;
     let bits = count.next_power_of_two().trailing_zeros().max(1);
-    let params = Params {
-        flag: gpu.flag(&KERNEL),
-        seed,
-        first,
-        total,
-        tiles: tiles.len() as u32,
-        rays: count,
-        bits,
-        ..Params::default()
-    };
+    let params =
+        Params { flag: gpu.flag(&KERNEL), seed, first, total, tiles: tiles.len() as u32, rays: count, bits, ..Params::default() };
     let buffers = [
         scene.nodes.buffer(),
         scene.tris.buffer(),
