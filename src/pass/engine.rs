@@ -211,6 +211,10 @@ impl Engine for GpuEngine<'_> {
         Ok(sums)
     }
 
+    fn deposit(&mut self, _b: &[Self::Batch], _l: bool, _n: f32) -> Result<Vec<crate::layout::NodeSource>> {
+        todo!()
+    }
+
     fn set_system(&mut self, system: &System) -> Result<()> {
         self.system = SystemBuffers::new(self.gpu, system)?;
         Ok(())
