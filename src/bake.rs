@@ -7,6 +7,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::layout::{DirectSum, NONE, NodeLight, Point, Tile, kind};
 use crate::network::{growth, nodes};
 use crate::output::report::{Energy, Report, SceneReport, Seconds, SolverReport};
@@ -24,6 +25,7 @@ use crate::twin::jacobi::System;
 use crate::twin::math::seed_of;
 use crate::twin::winner::{Feature, Metric};
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What a bake runs on.
@@ -32,8 +34,8 @@ use std::time::Instant;
 pub enum Backend {
     /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
     Cpu,
-    /// Compute shaders on a device.
-    Gpu(std::sync::Arc<crate::gpu::Gpu>),
+    /// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
+    Gpu(Arc<Gpu>),
 }
 
 /// Rays of the pilot network.
