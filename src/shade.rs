@@ -18,7 +18,7 @@ const HITS: usize = 262_144;
 /// Samples of a round of direct light at a shown point.
 const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
 /// Rounds before the error of direct light is looked at.
-const FIRST_ROUNDS: u32 = 4;
+const FIRST_ROUNDS: u32 = 8;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
 /// Rays that tell how near a point's surroundings are, and whether it is covered.
