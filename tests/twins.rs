@@ -6,7 +6,9 @@ use raycell::engine::Engine;
 use raycell::gpu::device::{BackendChoice, list_adapters, open};
 use raycell::gpu::sentinel::{self, Counts};
 use raycell::gpu::{Gpu, LIGHT};
-use raycell::layout::{CellFlux, DirectSum, Fixed, Link, NONE, NodeLight, NodeSums, Plane, Point, Psi, Slot, Tile, kind};
+use raycell::layout::{
+    CellFlux, DirectSum, Fixed, Link, NONE, NodeLight, NodeSource, NodeSums, Plane, Point, Psi, Slot, Tile, kind,
+};
 use raycell::network::nodes::place_nodes;
 use raycell::pass::{self, GpuEngine, SceneBuffers, SurfaceBuffers};
 use raycell::progress::Flow;
@@ -363,16 +365,18 @@ fn winner_equals_its_twin() {
     for (n, cells) in [(0, 5), (1, 1), (63, 64), (64, 3), (65, 0), (10_007, 321), (301, 40_000), (1_048_576 + 5, 2)] {
         let (features, centres) = (cheap_features(n, 1), cheap_features(cells, 2));
         let want = twin::winner::winner(&features, &centres);
-        let (device_features, device_cells) =
-            (gpu.upload("features", &features).unwrap(), gpu.upload("cells", &centres).unwrap());
+        let device_features = gpu.upload("features", &features).unwrap();
+        let device_cells = pass::winner::CellBlocks::new(&gpu, &centres).unwrap();
         let winners = gpu.upload("winners", &vec![7; n]).unwrap();
-        pass::winner::winner(&gpu, &device_features, 0..n, &device_cells, &winners).unwrap();
+        let order = gpu.upload("order", &(0..n as u32).collect::<Vec<_>>()).unwrap();
+        pass::winner::winner(&gpu, &device_features, &order, &device_cells, &winners).unwrap();
         assert_eq!(share(&want, &gpu.read(&winners).unwrap(), |a, b| a == b), 0.0, "{n} {cells}");
 
-        // A part of the range leaves the rest alone.
+        // A part of the features, backwards, leaves the rest alone.
         if n > 60 {
             let winners = gpu.upload("winners", &vec![7; n]).unwrap();
-            pass::winner::winner(&gpu, &device_features, 5..n - 6, &device_cells, &winners).unwrap();
+            let order = gpu.upload("order", &(5..n as u32 - 6).rev().collect::<Vec<_>>()).unwrap();
+            pass::winner::winner(&gpu, &device_features, &order, &device_cells, &winners).unwrap();
             let got = gpu.read(&winners).unwrap();
             assert_eq!(got[..5], [7; 5]);
             assert_eq!(got[n - 6..], [7; 6]);
@@ -489,6 +493,39 @@ fn coefficients_equal_their_twin() {
 }
 
 #[test]
+fn deposit_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW {
+        let c = case(n);
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let surface = SurfaceBuffers::new(&gpu, &c.surface).unwrap();
+        let direct: Vec<DirectSum> = (0..c.points.len())
+            .map(|i| DirectSum { sum: [0.5, 0.25, (i % 5) as f32 * 0.1], rounds: i as u32 % 3, ..DirectSum::default() })
+            .collect();
+        let light: Vec<[f32; 4]> = (0..c.points.len()).map(|i| [0.1, 0.02 * (i % 7) as f32, 0.3, 0.0]).collect();
+        let points = gpu.upload("points", &c.points).unwrap();
+        let psi = gpu.upload("psi", &c.psi).unwrap();
+        let winners = gpu.alloc("winners", 0).unwrap();
+        let device_direct = gpu.upload("direct", &direct).unwrap();
+        let device_light = gpu.upload("light", &light).unwrap();
+        let normalise = (0.3 / c.geometry.area) as f32;
+        for lit in [false, true] {
+            let h = if lit { light.as_slice() } else { &[] };
+            let want = twin::deposit::deposit(&c.geometry, &c.surface, &c.points, &c.psi, &direct, h, normalise);
+            let sums = gpu.alloc("sums", c.surface.nodes.len()).unwrap();
+            let rays = pass::coefficients::Rays { points: &points, psi: &psi, winners: &winners, direct: Some(&device_direct) };
+            let h = lit.then_some(&device_light);
+            pass::deposit::deposit(&gpu, &scene, &surface, rays, h, normalise, &sums).unwrap();
+            let near = |a: Fixed, b: Fixed| (a.units() - b.units()).abs() <= (a.units().abs() >> 16) + (1 << 34);
+            let same = |a: &NodeSource, b: &NodeSource| {
+                (0..3).all(|k| near(a.value[k], b.value[k]) && near(a.first[k], b.first[k]) && near(a.second[k], b.second[k]))
+            };
+            assert_eq!(share(&want, &gpu.read(&sums).unwrap(), same), 0.0, "{n}");
+        }
+    }
+}
+
+#[test]
 fn fixed_point_words_equal_their_twin() {
     let Some(gpu) = gpu() else { return };
     // Numbers of every size through the flux kernel: a ray each, one cell each.
@@ -547,6 +584,9 @@ fn jacobi_equals_its_twin() {
             node_offsets,
             node_links,
             planes: (0..nodes).map(|j| Plane { i11: 0.5, i12: -0.1, i22: 0.7, material: j as u32 % 4 }).collect(),
+            node_source: (0..nodes)
+                .map(|j| NodeLight { h: [number(j + 9); 3], g0: [0.1; 3], g1: [-number(j); 3], ..NodeLight::default() })
+                .collect(),
         };
         let light: Vec<NodeLight> = (0..nodes).map(|j| NodeLight { h: [number(j); 3], ..NodeLight::default() }).collect();
         let sweeps = if cells + nodes > 100_000 { 2 } else { 37 };

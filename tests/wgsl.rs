@@ -107,6 +107,7 @@ fn records_match() {
         ("NodeSums", layout!(layout::NodeSums { mass, first, second, square, pad0 })),
         ("Link", layout!(layout::Link { other, value, first, second })),
         ("Plane", layout!(layout::Plane { i11, i12, i22, material })),
+        ("NodeSource", layout!(layout::NodeSource { value, first, second })),
     ];
     for (name, rust) in &records {
         let wgsl = layout_of(&module, name).unwrap_or_else(|| panic!("{name} is missing in wgsl/lib/layout.wgsl"));
@@ -145,7 +146,7 @@ fn parameters_match() {
         ),
         ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, pad0, pad1 })),
         ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
-        ("winner", layout!(pass::winner::Params { base, count, flag, start, features, first, end, pad0 })),
+        ("winner", layout!(pass::winner::Params { base, count, flag, features, first, end, pad0, pad1 })),
         ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),
         ("adapt", layout!(pass::adapt::Params { base, count, flag, eta })),
         (
@@ -166,6 +167,7 @@ fn parameters_match() {
             }),
         ),
         ("flux", layout!(pass::coefficients::FluxParams { base, count, exact, normalise })),
+        ("deposit", layout!(pass::deposit::Params { base, count, lit, normalise })),
         ("beta", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
         ("update", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
         ("readout", layout!(pass::readout::Params { base, count, pad0, pad1 })),
@@ -178,4 +180,11 @@ fn parameters_match() {
         assert_eq!(wgsl, rust, "{kernel}");
         assert_eq!(rust.0[..2], [("base".to_string(), 0), ("count".to_string(), 4)], "{kernel}");
     }
+}
+
+#[test]
+fn blocks_match() {
+    use raycell::pass::winner::Block;
+    let rust = layout!(Block { low, start, low_n, end, high, pad0, high_n, pad1 });
+    assert_eq!(layout_of(&parse("winner"), "Block").unwrap(), rust);
 }

@@ -135,3 +135,9 @@ struct Plane {
     i22: f32,
     material: u32,
 }
+
+struct NodeSource {
+    value: array<Fixed, 3>,
+    first: array<Fixed, 3>,
+    second: array<Fixed, 3>,
+}
