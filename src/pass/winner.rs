@@ -3,7 +3,6 @@
 use super::params;
 use crate::error::Result;
 use crate::gpu::{Access, Gpu, GpuVec, Kernel};
-use crate::layout::NONE;
 use crate::twin::winner::Feature;
 use bytemuck::{Pod, Zeroable};
 
