@@ -222,7 +222,9 @@ fn run<E: Engine>(
     let density = clock.time(engine, "train", |engine| node_density(engine, geometry, &pilot.batches, &carried, count))?;
     drop(pilot);
 
-    // The full network.
+    // The full network. Shared out by less than its light, a dark part still gets rays enough to be read.
+    let gamma = if exact { params.gamma } else { 1.0 };
+    let wanted: Vec<f64> = carried.iter().map(|c| c.powf(gamma)).collect();
     let full = network(
         engine,
         geometry,
@@ -231,7 +233,7 @@ fn run<E: Engine>(
             rays: params.rays,
             cells: params.cells(),
             nodes: count,
-            tiles: &start_tiles(geometry, &carried, params.alpha),
+            tiles: &start_tiles(geometry, &wanted, params.alpha),
             brightness: &carried,
             density: &density,
             refinements: params.refinements,

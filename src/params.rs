@@ -22,8 +22,8 @@ pub struct Params {
     /// Light rays of the full network, 1,024 to 2^24; default 524,288. Error falls about as n^-0.3,
     /// time grows linearly.
     pub rays: u32,
-    /// Cells (reference rays) of the network, 16 to 100,000; default `rays/512`. The
-    /// refinements take most of their error out of the result; a relit solution wants more.
+    /// Cells (reference rays) of the network, 16 to 100,000; default `rays/512`, where the
+    /// refinements take their error out of the result; `rays/128` with `--direct network`.
     pub cells: Option<u32>,
     /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)`, plus one for each
     /// planar piece where there are more than 200.
@@ -32,6 +32,9 @@ pub struct Params {
     pub direct: Direct,
     /// Share alpha of starts drawn where light is expected, in [0, 0.95]; the rest covers the area uniformly. Default 0.7.
     pub alpha: f64,
+    /// Exponent gamma of the light that starts are drawn by, in [0, 1]; default 0.7 (`--direct network`
+    /// always uses 1). Lower values serve dark parts at the cost of bright ones.
+    pub gamma: f64,
     /// Weight lambda of normals in the metrics, in [0, 1]; default 0.3 (a length in units of L).
     pub lambda: f64,
     /// Weight mu of the emitter end's brightness in the ray metric, in [0, 2]; default 0.3.
@@ -68,6 +71,7 @@ impl Default for Params {
             nodes: None,
             direct: Direct::Exact,
             alpha: 0.7,
+            gamma: 0.7,
             lambda: 0.3,
             mu: 0.3,
             ridge: 0.05,
@@ -107,6 +111,7 @@ impl Params {
             within("nodes", n, 4, 1_000_000, "give 4 to 1000000 nodes")?;
         }
         within("alpha", self.alpha, 0.0, 0.95, "give 0 to 0.95")?;
+        within("gamma", self.gamma, 0.0, 1.0, "give 0 to 1")?;
         within("lambda", self.lambda, 0.0, 1.0, "give 0 to 1")?;
         within("mu", self.mu, 0.0, 2.0, "give 0 to 2")?;
         within("ridge", self.ridge, 1e-9, 1.0, "give 1e-9 to 1")?;
@@ -123,6 +128,7 @@ impl Params {
 
     /// Cells asked for, or the default for the number of rays.
     pub fn cells(&self) -> u32 {
-        self.cells.unwrap_or((self.rays / 512).clamp(16, 100_000))
+        let share = if self.direct == Direct::Exact { 512 } else { 128 };
+        self.cells.unwrap_or((self.rays / share).clamp(16, 100_000))
     }
 }

@@ -1,48 +1,52 @@
 //! Pass `deposit`: what rays bring to the nodes from emitter ends whose light is known. Twin: [`crate::twin::deposit`].
 
-use super::coefficients::Rays;
-use super::{SceneBuffers, SurfaceBuffers, params};
+use super::{SceneBuffers, SurfaceBuffers};
 use crate::error::Result;
-use crate::gpu::{Access, Gpu, GpuVec, HEAVY, Kernel};
-use crate::layout::{DirectSum, NodeSource};
+use crate::gpu::{Access, Gpu, GpuVec, Kernel, LIGHT};
+use crate::layout::{DirectSum, NodeSource, Point, Psi};
 
-params!(
-    /// Parameters of `wgsl/deposit.wgsl`.
-    {
-        /// 1: the network's light at the ends is known.
-        lit: u32,
-        /// What weights are multiplied by.
-        normalise: f32,
-    }
-);
+/// Parameters of `wgsl/deposit.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Params {
+    /// First item.
+    pub base: u32,
+    /// Items in the dispatch.
+    pub count: u32,
+    /// 1: H is known at every point.
+    pub lit: u32,
+    /// What weights are multiplied by.
+    pub normalise: f32,
+}
 
 const KERNEL: Kernel = Kernel {
     name: "deposit",
     buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write],
 };
 
-/// Adds what one batch of rays brings to `sums`; `light` is the network's irradiance at their ends, where known.
+/// Adds one batch to `sums`, one a node; see [`crate::twin::deposit::deposit`].
 pub fn deposit(
     gpu: &Gpu,
     scene: &SceneBuffers,
     surface: &SurfaceBuffers,
-    rays: Rays,
+    points: &GpuVec<Point>,
+    psi: &GpuVec<Psi>,
+    direct: &GpuVec<DirectSum>,
     light: Option<&GpuVec<[f32; 4]>>,
     normalise: f32,
     sums: &GpuVec<NodeSource>,
 ) -> Result<()> {
-    let no_direct = gpu.alloc::<DirectSum>("no direct light", 0)?;
-    let no_light = gpu.alloc("no light", 0)?;
+    let dark = gpu.alloc("no light", 0)?;
     let params = Params { lit: light.is_some() as u32, normalise, ..Params::default() };
     let buffers = [
-        rays.points.buffer(),
-        rays.psi.buffer(),
+        points.buffer(),
+        psi.buffer(),
+        surface.nodes.buffer(),
         scene.tris.buffer(),
         scene.materials.buffer(),
-        rays.direct.unwrap_or(&no_direct).buffer(),
-        light.unwrap_or(&no_light).buffer(),
-        surface.nodes.buffer(),
+        direct.buffer(),
+        light.unwrap_or(&dark).buffer(),
         sums.buffer(),
     ];
-    gpu.run(&KERNEL, &params, &buffers, rays.points.len(), HEAVY)
+    gpu.run(&KERNEL, &params, &buffers, points.len(), LIGHT)
 }

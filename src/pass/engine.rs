@@ -229,11 +229,10 @@ impl Engine for GpuEngine<'_> {
     }
 
     fn deposit(&mut self, batches: &[GpuBatch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
-        let sums = self.gpu.alloc("node sources", self.surface.nodes.len())?;
+        let sums = self.gpu.alloc("known light", self.surface.nodes.len())?;
         for b in batches {
-            let rays = Rays { points: &b.points, psi: &b.psi, winners: &b.winners, direct: Some(&b.direct) };
             let light = lit.then_some(&b.irradiance);
-            super::deposit::deposit(self.gpu, &self.scene, &self.surface, rays, light, normalise, &sums)?;
+            super::deposit::deposit(self.gpu, &self.scene, &self.surface, &b.points, &b.psi, &b.direct, light, normalise, &sums)?;
         }
         self.fetch(&sums)
     }

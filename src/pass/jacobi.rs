@@ -39,7 +39,7 @@ pub struct SystemBuffers {
     node_offsets: GpuVec<u32>,
     node_links: GpuVec<Link>,
     planes: GpuVec<Plane>,
-    node_source: GpuVec<NodeLight>,
+    known: GpuVec<NodeLight>,
     beta: GpuVec<[f32; 4]>,
 }
 
@@ -53,7 +53,7 @@ impl SystemBuffers {
             node_offsets: gpu.upload("node offsets", &system.node_offsets)?,
             node_links: gpu.upload("node links", &system.node_links)?,
             planes: gpu.upload("planes", &system.planes)?,
-            node_source: gpu.upload("node source", &system.node_source)?,
+            known: gpu.upload("known light", &system.node_source)?,
             beta: gpu.alloc("beta", system.source.len())?,
         })
     }
@@ -75,8 +75,8 @@ pub fn jacobi(gpu: &Gpu, scene: &SceneBuffers, system: &SystemBuffers, light: &G
         system.node_offsets.buffer(),
         system.node_links.buffer(),
         system.planes.buffer(),
+        system.known.buffer(),
         system.beta.buffer(),
-        system.node_source.buffer(),
         light.buffer(),
         gpu.status(),
     ];

@@ -91,9 +91,9 @@ impl CellBlocks {
 fn blocks(cells: &[Feature]) -> (Vec<Block>, Vec<usize>) {
     let mut order: Vec<usize> = (0..cells.len()).collect();
     let mut blocks = Vec::new();
-    let mut stack = vec![0..cells.len()];
-    while let Some(range) = stack.pop() {
-        let part = &mut order[range.clone()];
+    let mut stack = Vec::from([(0, cells.len())]);
+    while let Some((start, end)) = stack.pop() {
+        let part = &mut order[start..end];
         let (mut low, mut high) = ([f32::MAX; 6], [f32::MIN; 6]);
         for &c in part.iter() {
             for k in 0..6 {
@@ -106,7 +106,7 @@ fn blocks(cells: &[Feature]) -> (Vec<Block>, Vec<usize>) {
             let key = |c: &usize| cells[*c][RECEIVER.start + widest];
             let middle = part.len() / 2;
             part.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-            stack.extend([range.start + middle..range.end, range.start..range.start + middle]);
+            stack.extend([(start + middle, end), (start, start + middle)]);
         } else if !part.is_empty() {
             let three = |x: &[f32]| [x[0], x[1], x[2]];
             blocks.push(Block {
@@ -114,8 +114,8 @@ fn blocks(cells: &[Feature]) -> (Vec<Block>, Vec<usize>) {
                 low_n: three(&low[3..]),
                 high: three(&high),
                 high_n: three(&high[3..]),
-                start: range.start as u32,
-                end: range.end as u32,
+                start: start as u32,
+                end: end as u32,
                 ..Block::default()
             });
         }

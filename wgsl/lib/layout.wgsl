@@ -122,6 +122,12 @@ struct NodeSums {
     pad0: Fixed,
 }
 
+struct NodeSource {
+    value: array<Fixed, 3>,
+    first: array<Fixed, 3>,
+    second: array<Fixed, 3>,
+}
+
 struct Link {
     other: u32,
     value: f32,
@@ -134,10 +140,4 @@ struct Plane {
     i12: f32,
     i22: f32,
     material: u32,
-}
-
-struct NodeSource {
-    value: array<Fixed, 3>,
-    first: array<Fixed, 3>,
-    second: array<Fixed, 3>,
 }
