@@ -363,16 +363,18 @@ fn winner_equals_its_twin() {
     for (n, cells) in [(0, 5), (1, 1), (63, 64), (64, 3), (65, 0), (10_007, 321), (301, 40_000), (1_048_576 + 5, 2)] {
         let (features, centres) = (cheap_features(n, 1), cheap_features(cells, 2));
         let want = twin::winner::winner(&features, &centres);
-        let (device_features, device_cells) =
-            (gpu.upload("features", &features).unwrap(), gpu.upload("cells", &centres).unwrap());
+        let device_features = gpu.upload("features", &features).unwrap();
+        let device_cells = pass::winner::CellBlocks::new(&gpu, &centres).unwrap();
         let winners = gpu.upload("winners", &vec![7; n]).unwrap();
-        pass::winner::winner(&gpu, &device_features, 0..n, &device_cells, &winners).unwrap();
+        let order = gpu.upload("order", &(0..n as u32).collect::<Vec<_>>()).unwrap();
+        pass::winner::winner(&gpu, &device_features, &order, &device_cells, &winners).unwrap();
         assert_eq!(share(&want, &gpu.read(&winners).unwrap(), |a, b| a == b), 0.0, "{n} {cells}");
 
-        // A part of the range leaves the rest alone.
+        // A part of the features, backwards, leaves the rest alone.
         if n > 60 {
             let winners = gpu.upload("winners", &vec![7; n]).unwrap();
-            pass::winner::winner(&gpu, &device_features, 5..n - 6, &device_cells, &winners).unwrap();
+            let order = gpu.upload("order", &(5..n as u32 - 6).rev().collect::<Vec<_>>()).unwrap();
+            pass::winner::winner(&gpu, &device_features, &order, &device_cells, &winners).unwrap();
             let got = gpu.read(&winners).unwrap();
             assert_eq!(got[..5], [7; 5]);
             assert_eq!(got[n - 6..], [7; 6]);
@@ -546,10 +548,10 @@ fn jacobi_equals_its_twin() {
             source: (0..cells).map(|c| [number(c), number(c + 5), 0.0, 0.0]).collect(),
             node_offsets,
             node_links,
-            node_source: (0..nodes)
-                .map(|j| NodeLight { h: [number(j + 3); 3], g0: [number(j); 3], ..NodeLight::default() })
-                .collect(),
             planes: (0..nodes).map(|j| Plane { i11: 0.5, i12: -0.1, i22: 0.7, material: j as u32 % 4 }).collect(),
+            node_source: (0..nodes)
+                .map(|j| NodeLight { h: [number(j + 9); 3], g0: [0.1; 3], g1: [-number(j); 3], ..NodeLight::default() })
+                .collect(),
         };
         let light: Vec<NodeLight> = (0..nodes).map(|j| NodeLight { h: [number(j); 3], ..NodeLight::default() }).collect();
         let sweeps = if cells + nodes > 100_000 { 2 } else { 37 };

@@ -146,7 +146,7 @@ fn parameters_match() {
         ),
         ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, pad0, pad1 })),
         ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
-        ("winner", layout!(pass::winner::Params { base, count, flag, start, features, first, end, pad0 })),
+        ("winner", layout!(pass::winner::Params { base, count, flag, features, first, end, pad0, pad1 })),
         ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),
         ("adapt", layout!(pass::adapt::Params { base, count, flag, eta })),
         (
@@ -180,4 +180,11 @@ fn parameters_match() {
         assert_eq!(wgsl, rust, "{kernel}");
         assert_eq!(rust.0[..2], [("base".to_string(), 0), ("count".to_string(), 4)], "{kernel}");
     }
+}
+
+#[test]
+fn blocks_match() {
+    use raycell::pass::winner::Block;
+    let rust = layout!(Block { low, start, low_n, end, high, pad0, high_n, pad1 });
+    assert_eq!(layout_of(&parse("winner"), "Block").unwrap(), rust);
 }

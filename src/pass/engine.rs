@@ -6,7 +6,7 @@ use super::{SceneBuffers, SurfaceBuffers};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::gpu::{Gpu, GpuVec};
-use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi, Tile};
+use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi, Tile, kind};
 use crate::scene::Geometry;
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
@@ -37,6 +37,8 @@ pub struct GpuBatch {
     irradiance: GpuVec<[f32; 4]>,
     /// All points, those of a tile together; found when first needed.
     order: Option<GpuVec<u32>>,
+    /// Directed rays in the order of `winner`; found when first needed.
+    rays: Vec<u32>,
 }
 
 impl<'a> GpuEngine<'a> {
@@ -64,6 +66,7 @@ impl<'a> GpuEngine<'a> {
             winners: gpu.alloc("winners", 0)?,
             irradiance: gpu.alloc("irradiance", 0)?,
             order: None,
+            rays: Vec::new(),
         })
     }
 
@@ -79,6 +82,19 @@ impl<'a> GpuEngine<'a> {
         let order = self.gpu.upload("order", &order)?;
         batch.order = Some(order.clone());
         Ok(order)
+    }
+
+    /// Directed rays of a range by the tile of their receiver; those that do not count come last.
+    fn rays(&self, batch: &mut GpuBatch, range: Range<usize>) -> Result<GpuVec<u32>> {
+        if batch.rays.is_empty() {
+            let points = self.gpu.read(&batch.points)?;
+            let mut rays: Vec<u32> = (0..points.len() as u32).collect();
+            let key = |d: u32| if points[d as usize].kind == kind::FRONT { points[d as usize].tile } else { NONE };
+            rays.sort_by_key(|&d| key(d));
+            batch.rays = rays;
+        }
+        let rays: Vec<u32> = batch.rays.iter().copied().filter(|&d| range.contains(&(d as usize))).collect();
+        self.gpu.upload("rays", &rays)
     }
 
     /// Reads back what kernels have finished.
@@ -166,8 +182,9 @@ impl Engine for GpuEngine<'_> {
         if batch.winners.len() < batch.points.len() {
             batch.winners = self.gpu.upload("winners", &vec![NONE; batch.points.len()])?;
         }
-        let cells = self.gpu.upload("cells", cells)?;
-        super::winner::winner(self.gpu, &batch.features, range, &cells, &batch.winners)
+        let order = self.rays(batch, range)?;
+        let cells = super::winner::CellBlocks::new(self.gpu, cells)?;
+        super::winner::winner(self.gpu, &batch.features, &order, &cells, &batch.winners)
     }
 
     fn winners(&mut self, batch: &GpuBatch) -> Result<Vec<u32>> {
