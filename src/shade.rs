@@ -1,5 +1,5 @@
 //! The read-out: radiosity at any surface points from a solved network (design §1, step 8). Like
-//! [`crate::bake`], this file knows an order of passes, and nothing of how they run.
+//! [`mod@crate::bake`], this file knows an order of passes, and nothing of how they run.
 
 use crate::bake::{Stream, stream};
 use crate::engine::Engine;

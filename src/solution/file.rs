@@ -1,0 +1,190 @@
+//! `solution.rcell`: everything a query or a new solve needs, and nothing that differs between two
+//! bakes of one seed (no timings, no adapter, no path).
+
+use super::Solution;
+use crate::error::{Error, Result};
+use crate::layout::{Link, Node, NodeLight, Plane};
+use crate::network::nodes::find_candidates;
+use crate::output::rcell::{self, Section};
+use crate::output::report::{Report, Seconds};
+use crate::params::Params;
+use crate::scene::{Face, Geometry, Material, Scene};
+use crate::twin::assign::Surface;
+use crate::twin::jacobi::System;
+use crate::twin::winner::Feature;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The caller's part of the container's header.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    content: String,
+    name: String,
+    materials: Vec<MaterialEntry>,
+    objects: Vec<String>,
+    params: Params,
+    /// How the scene was prepared: triangles, planar pieces and tiles, to tell a version that does it otherwise.
+    prepared: [u32; 3],
+    report: Report,
+}
+
+#[derive(Serialize, Deserialize)]
+struct MaterialEntry {
+    name: String,
+    reflectance: [f64; 3],
+    emission: [f64; 3],
+}
+
+/// What the header says it holds.
+const CONTENT: &str = "solution";
+
+impl Solution {
+    /// Writes the solution with its scene: whoever has the file can query it, elsewhere and later.
+    /// Same bake, same bytes. Errors: [`Error::Write`].
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let name = Path::new(&self.scene.name).file_name().map_or(self.scene.name.clone(), |n| n.to_string_lossy().into_owned());
+        let mut report = Report {
+            adapter: None,
+            seconds: Seconds::default(),
+            memory_bytes: Default::default(),
+            extra: Default::default(),
+            ..self.report.clone()
+        };
+        report.scene.path = name.clone();
+        let header = Header {
+            content: CONTENT.into(),
+            name,
+            materials: (self.scene.materials.iter())
+                .map(|m| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission })
+                .collect(),
+            objects: self.scene.objects.clone(),
+            params: self.params.clone(),
+            prepared: prepared(&self.geometry),
+            report,
+        };
+        let header =
+            serde_json::to_value(&header).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
+        let faces: Vec<[u32; 5]> =
+            (self.scene.faces.iter()).map(|f| [f.vertices[0], f.vertices[1], f.vertices[2], f.material, f.object]).collect();
+        rcell::write(
+            path,
+            &header,
+            &[
+                Section::new("vertices", &self.scene.vertices),
+                Section::new("faces", &faces),
+                Section::new("nodes", &self.surface.nodes),
+                Section::new("light", &self.light),
+                Section::new("cells", &self.cells),
+                Section::new("cell_offsets", &self.system.cell_offsets),
+                Section::new("cell_links", &self.system.cell_links),
+                Section::new("source", &self.system.source),
+                Section::new("node_offsets", &self.system.node_offsets),
+                Section::new("node_links", &self.system.node_links),
+                Section::new("planes", &self.system.planes),
+            ],
+        )
+    }
+
+    /// Reads a solution that [`Solution::save`] has written, checking all of it.
+    ///
+    /// Errors: [`Error::Read`]; [`Error::Format`] where the file is no solution, damaged, or of another version.
+    pub fn load(path: &Path) -> Result<Solution> {
+        let file = rcell::read(path)?;
+        let fail = |what: String| Error::Format {
+            path: path.into(),
+            line: None,
+            what,
+            cure: "bake it again with this version of raycell".into(),
+        };
+        let header: Header =
+            serde_json::from_value(file.data.clone()).map_err(|e| fail(format!("the header cannot be read: {e}")))?;
+        if header.content != CONTENT {
+            return Err(fail(format!("the file holds '{}', not a solution", header.content)));
+        }
+        header.params.check().map_err(|e| fail(format!("the parameters cannot be used: {e}")))?;
+
+        // The scene, prepared as it was for the bake.
+        let faces: Vec<[u32; 5]> = file.get("faces")?;
+        let scene = Scene {
+            name: header.name,
+            vertices: file.get("vertices")?,
+            faces: faces.iter().map(|&[a, b, c, material, object]| Face { vertices: [a, b, c], material, object }).collect(),
+            materials: (header.materials.into_iter())
+                .map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission })
+                .collect(),
+            objects: header.objects,
+            warnings: Vec::new(),
+        };
+        if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {
+            return Err(fail("section 'faces' names an object that is not there".into()));
+        }
+        let geometry = Geometry::new(&scene).map_err(|e| fail(format!("the scene cannot be used: {e}")))?;
+        if prepared(&geometry) != header.prepared {
+            return Err(fail("the scene is prepared otherwise by this version".into()));
+        }
+
+        // The network.
+        let nodes: Vec<Node> = file.get("nodes")?;
+        let light: Vec<NodeLight> = file.get("light")?;
+        let cells: Vec<Feature> = file.get("cells")?;
+        let system = System {
+            cell_offsets: file.get("cell_offsets")?,
+            cell_links: file.get("cell_links")?,
+            source: file.get("source")?,
+            node_offsets: file.get("node_offsets")?,
+            node_links: file.get("node_links")?,
+            planes: file.get("planes")?,
+        };
+        check(&geometry, &nodes, &light, &cells, &system).map_err(|what| fail(what.into()))?;
+        let mut surface =
+            Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda: header.params.lambda as f32, ..Surface::default() };
+        find_candidates(&geometry, &mut surface);
+        Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })
+    }
+}
+
+fn prepared(geometry: &Geometry) -> [u32; 3] {
+    [geometry.tris.len() as u32, geometry.pieces, geometry.tiles]
+}
+
+/// Checks lengths, indices and numbers, so that no pass can read outside or make a NaN of them.
+fn check(
+    geometry: &Geometry,
+    nodes: &[Node],
+    light: &[NodeLight],
+    cells: &[Feature],
+    system: &System,
+) -> std::result::Result<(), &'static str> {
+    let finite = |numbers: &[f32]| numbers.iter().all(|x| x.is_finite());
+    let materials = geometry.materials.len() as u32;
+    if light.len() != nodes.len() || system.planes.len() != nodes.len() || cells.len() > system.source.len() {
+        return Err("sections 'nodes', 'light', 'planes', 'cells' and 'source' do not belong together");
+    }
+    let node = |n: &Node| n.material < materials && n.plane < geometry.pieces && finite(&n.p) && finite(&n.n) && finite(&n.mean);
+    if !nodes.iter().all(node) {
+        return Err("section 'nodes' holds a node that cannot be");
+    }
+    if !light.iter().all(|l| finite(&l.h) && finite(&l.g0) && finite(&l.g1)) {
+        return Err("section 'light' holds a number that is not finite");
+    }
+    if !finite(cells.as_flattened()) || !finite(system.source.as_flattened()) {
+        return Err("section 'cells' or 'source' holds a number that is not finite");
+    }
+    let plane = |p: &Plane| p.material < materials && finite(&[p.i11, p.i12, p.i22]);
+    if !system.planes.iter().all(plane) {
+        return Err("section 'planes' holds a fit that cannot be");
+    }
+    let rows = |offsets: &[u32], links: &[Link], rows: usize, others: usize| {
+        offsets.len() == rows + 1
+            && offsets[0] == 0
+            && offsets.is_sorted()
+            && offsets[rows] as usize == links.len()
+            && links.iter().all(|l| (l.other as usize) < others && finite(&[l.value, l.first, l.second]))
+    };
+    if !rows(&system.cell_offsets, &system.cell_links, system.source.len(), nodes.len())
+        || !rows(&system.node_offsets, &system.node_links, nodes.len(), system.source.len())
+    {
+        return Err("the coefficients do not fit the network");
+    }
+    Ok(())
+}
