@@ -147,7 +147,7 @@ fn sample_direct<E: Engine>(
 ) -> Result<Vec<DirectSum>> {
     let most = (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2);
     let mut done = 0;
-    let mut rounds = FIRST_ROUNDS.min(most);
+    let mut rounds = FIRST_ROUNDS.min((most / 8).max(2));
     let mut active = all.to_vec();
     loop {
         engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;

@@ -188,3 +188,84 @@ fn check(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::Backend;
+    use crate::progress::Flow;
+    use crate::solution::SurfacePoint;
+
+    fn baked(seed: u32) -> Solution {
+        let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell/scene.obj")).unwrap();
+        let params = Params { rays: 4096, seed, direct_samples: 64, gather_rays: 16, ..Params::default() };
+        crate::bake(&Backend::Cpu, &scene, &params, &mut |_| Flow::Continue).unwrap()
+    }
+
+    #[test]
+    fn a_loaded_solution_answers_as_the_saved_one() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.rcell");
+        let solution = baked(1);
+        solution.save(&path).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let loaded = Solution::load(&path).unwrap();
+        let points: Vec<SurfacePoint> =
+            (0..50).map(|i| SurfacePoint { p: [0.1 * i as f64, 0.0, 0.3], n: [0.0, 1.0, 0.0] }).collect();
+        let answers = solution.query(&Backend::Cpu, &points).unwrap();
+        assert_eq!(loaded.query(&Backend::Cpu, &points).unwrap(), answers);
+        assert!(answers.iter().filter(|a| a.b[0] > 0.0).count() > 40);
+        assert_eq!((loaded.report().seed, &loaded.report().energy), (1, &solution.report().energy));
+        assert_eq!(loaded.system().cell_links, solution.system().cell_links);
+
+        // What is loaded is saved as it was; the same seed bakes the same bytes, another one others.
+        loaded.save(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() == bytes);
+        baked(1).save(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() == bytes);
+        baked(2).save(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() != bytes);
+        assert!(!String::from_utf8_lossy(&bytes).contains(env!("CARGO_MANIFEST_DIR")), "no path of this machine");
+    }
+
+    #[test]
+    fn a_whole_file_that_makes_no_sense_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.rcell");
+        let good = baked(1);
+        let refuses = |name: &str, spoil: &dyn Fn(&mut Solution)| {
+            let mut s = good.clone();
+            spoil(&mut s);
+            s.save(&path).unwrap();
+            match Solution::load(&path) {
+                Err(Error::Format { .. }) => (),
+                other => panic!("{name}: {:?}", other.map(|_| "was read")),
+            }
+        };
+        refuses("vertex", &|s| s.scene.vertices[3][1] = f64::NAN);
+        refuses("face", &|s| s.scene.faces[0].vertices[2] = 9999);
+        refuses("material of a face", &|s| s.scene.faces[0].material = 9999);
+        refuses("object of a face", &|s| s.scene.faces[0].object = 9999);
+        refuses("no faces", &|s| s.scene.faces.clear());
+        refuses("another scene", &|s| s.scene.faces.truncate(30));
+        refuses("reflectance", &|s| s.scene.materials[0].reflectance[0] = 1.5);
+        refuses("parameters", &|s| s.params.slots = 0);
+        refuses("node's plane", &|s| s.surface.nodes[0].plane = 9999);
+        refuses("node's material", &|s| s.surface.nodes[0].material = 9999);
+        refuses("node", &|s| s.surface.nodes[0].p[0] = f32::INFINITY);
+        refuses("number of nodes", &|s| s.surface.nodes.truncate(5));
+        refuses("light", &|s| s.light[0].g1[2] = f32::NAN);
+        refuses("number of lights", &|s| s.light.truncate(5));
+        refuses("cell", &|s| s.cells[0][0] = f32::NAN);
+        refuses("source", &|s| s.system.source[0][0] = f32::NAN);
+        refuses("gather link", &|s| s.system.cell_links[0].other = 9999);
+        refuses("deposit link", &|s| s.system.node_links[0].value = f32::NAN);
+        refuses("offsets", &|s| s.system.node_offsets[1] = u32::MAX);
+        refuses("no offsets", &|s| s.system.cell_offsets.clear());
+        refuses("plane", &|s| s.system.planes[0].material = 9999);
+        refuses("number of planes", &|s| s.system.planes.truncate(5));
+        // A container with something else in it.
+        rcell::write(&path, &serde_json::json!({"content": "texture"}), &[]).unwrap();
+        assert!(matches!(Solution::load(&path), Err(Error::Format { .. })));
+    }
+}

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Relative standard error of direct light in a picture: below what the eye tells apart in 8 bits.
-const DIRECT_TOLERANCE: f64 = 0.02;
+const DIRECT_TOLERANCE: f64 = 0.03;
 /// Most direct samples a pixel.
-const DIRECT_SAMPLES: u32 = 512;
+const DIRECT_SAMPLES: u32 = 256;
 /// Rays of a final gather at a pixel.
 const GATHER_RAYS: u32 = 64;
 
