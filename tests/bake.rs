@@ -410,7 +410,7 @@ fn form_factors_are_met() {
     let [a, b, c, d] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].map(glam::DVec3::from);
     let side = |from, to, top| Shape { from, to, top, triangle: true };
     // The sides of a tetrahedron, seen from inside.
-    let sides = [side(a, b, c), side(b, a, d), side(a, c, d), side(c, b, d)];
+    let sides = [side(b, a, c), side(a, b, d), side(c, a, d), side(b, c, d)];
     assert!(sides.iter().all(|s| s.from.dot(s.normal().into()) < 0.0));
 
     // Touching shapes: G has no second moment under uniform points, so they crowd at the edge with
@@ -447,7 +447,7 @@ fn form_factors_are_met() {
         };
 
         // By the kernel: F = (1/A) sum w_x w_y G V, G per local area.
-        const PAIRS: u32 = 1 << 18;
+        const PAIRS: u32 = 1 << 20;
         let (mut points, mut weights) = (Vec::new(), Vec::new());
         // The weights' mean; a triangle's is half its parallelogram.
         let area = shapes[0].at(0.0, 0.0, 1).1 * if shapes[0].triangle { 0.5 } else { 1.0 };
@@ -490,11 +490,11 @@ fn a_host_lends_its_device() {
     let (device, queue) = embed::device().unwrap();
     let answers = embed::light(&device, &queue).unwrap();
     // The Cornell box's light is warm, its wall green, and under the tall box it is dark.
-    for (k, want) in [[0.51, 0.37, 0.11], [0.11, 0.27, 0.02]].iter().enumerate() {
+    for (k, want) in [[0.751, 0.468, 0.144], [0.158, 0.341, 0.0213]].iter().enumerate() {
         eprintln!("{:?}", answers[k]);
         for band in 0..3 {
             let ratio = answers[k].b[band] / want[band];
-            assert!((ratio - 1.0).abs() < 0.1, "{:?} {want:?}", answers[k]);
+            assert!((ratio - 1.0).abs() < 0.05, "{:?} {want:?}", answers[k]);
         }
     }
     assert_eq!((answers[2].status, answers[2].b), (raycell::Status::Covered, [0.0; 3]));
