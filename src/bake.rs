@@ -7,6 +7,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::layout::{DirectSum, NONE, NodeLight, Point, Tile, kind};
 use crate::network::{growth, nodes};
 use crate::output::report::{Energy, Report, SceneReport, Seconds, SolverReport};
@@ -20,9 +21,11 @@ use crate::solution::Solution;
 use crate::twin::TwinEngine;
 use crate::twin::assign::Surface;
 use crate::twin::direct::Samples;
+use crate::twin::jacobi::System;
 use crate::twin::math::seed_of;
 use crate::twin::winner::{Feature, Metric};
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What a bake runs on.
@@ -31,8 +34,8 @@ use std::time::Instant;
 pub enum Backend {
     /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
     Cpu,
-    /// Compute shaders on a device.
-    Gpu(std::sync::Arc<crate::gpu::Gpu>),
+    /// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
+    Gpu(Arc<Gpu>),
 }
 
 /// Rays of the pilot network.
@@ -91,6 +94,7 @@ struct Stage<'a> {
     tiles: &'a [Tile],
     brightness: &'a [f64],
     density: &'a [f64],
+    refinements: u32,
     seeds: [u32; 3],
 }
 
@@ -183,6 +187,7 @@ fn run<E: Engine>(
             tiles: &start_tiles(geometry, &first, params.alpha),
             brightness: &first,
             density: &uniform,
+            refinements: 0,
             seeds: [Stream::PilotNodes, Stream::PilotRays, Stream::PilotEnds].map(|s| stream(params.seed, s)),
         },
         &mut clock,
@@ -217,7 +222,9 @@ fn run<E: Engine>(
     let density = clock.time(engine, "train", |engine| node_density(engine, geometry, &pilot.batches, &carried, count))?;
     drop(pilot);
 
-    // The full network.
+    // The full network. Shared out by less than its light, a dark part still gets rays enough to be read.
+    let gamma = if exact { params.gamma } else { 1.0 };
+    let wanted: Vec<f64> = carried.iter().map(|c| c.powf(gamma)).collect();
     let full = network(
         engine,
         geometry,
@@ -226,9 +233,10 @@ fn run<E: Engine>(
             rays: params.rays,
             cells: params.cells(),
             nodes: count,
-            tiles: &start_tiles(geometry, &carried, params.alpha),
+            tiles: &start_tiles(geometry, &wanted, params.alpha),
             brightness: &carried,
             density: &density,
+            refinements: params.refinements,
             seeds: [Stream::Nodes, Stream::Rays, Stream::Ends].map(|s| stream(params.seed, s)),
         },
         &mut clock,
@@ -424,19 +432,42 @@ fn network<E: Engine>(
         Ok(splitter.cells())
     })?;
 
-    // Read the cells as coefficients, and solve.
+    // Read the cells as coefficients.
     progress.event(Event::Stage { name: "coefficients" })?;
-    let built = clock.time(engine, "coefficients", |engine| {
-        // All rays together weigh 2 A / (1 - alpha) at most.
-        let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
+    // All rays together weigh 2 A / (1 - alpha) at most.
+    let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
+    let mut built = clock.time(engine, "coefficients", |engine| {
         let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count)?;
-        Ok(coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, stage.rays as f64))
+        let mut built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, stage.rays as f64);
+        engine.set_surface(&surface)?;
+        if exact {
+            // The first bounce is known at every ray's end; it needs no cell.
+            built.system.source.fill([0.0; 4]);
+            let sums = engine.deposit(&batches, false, normalise)?;
+            built.system.node_source = coefficients::known(&sums, &surface.nodes, &built.mass);
+        }
+        Ok(built)
     })?;
+
+    // Solve; then let the rays carry the solution once more, each from its own end, and solve for the
+    // difference: what the cells leave out is left out of a small correction only.
     progress.event(Event::Stage { name: "solve" })?;
     let (light, solved) = clock.time(engine, "solve", |engine| {
-        engine.set_surface(&surface)?;
-        engine.set_system(&built.system)?;
-        solver::solve(engine, geometry, surface.nodes.len(), params.tolerance, params.max_sweeps, progress, names)
+        let mut solve = |engine: &mut E, system: &System, start: Vec<NodeLight>| {
+            engine.set_system(system)?;
+            solver::solve(engine, geometry, start, params.tolerance, params.max_sweeps, progress, names)
+        };
+        let (mut light, solved) = solve(engine, &built.system, vec![NodeLight::default(); surface.nodes.len()])?;
+        for _ in 0..if exact { stage.refinements } else { 0 } {
+            engine.set_light(&light)?;
+            for batch in &mut batches {
+                engine.readout(batch)?;
+            }
+            let sums = engine.deposit(&batches, true, normalise)?;
+            let by_rays = coefficients::known(&sums, &surface.nodes, &built.mass);
+            light = coefficients::fit(&by_rays, &built.system.planes);
+        }
+        Ok((light, solved))
     })?;
     Ok(Network { surface, light, cells, coefficients: built, solved, training, batches })
 }

@@ -2,7 +2,7 @@
 //! in plain Rust, `crate::pass::GpuEngine` with compute shaders.
 
 use crate::error::Result;
-use crate::layout::{CellSums, DirectSum, NodeLight, Point, Psi, Tile};
+use crate::layout::{CellSums, DirectSum, NodeLight, NodeSource, Point, Psi, Tile};
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
 use crate::twin::direct::Samples;
@@ -76,6 +76,9 @@ pub trait Engine {
     /// Pass `coefficients`: the cells' footprints over all batches; with `exact`, emitter ends send
     /// rho D instead of E. See [`crate::twin::coefficients::coefficients`].
     fn coefficients(&mut self, batches: &[Self::Batch], exact: bool, normalise: f32, rays: f32, cells: usize) -> Result<Sums>;
+    /// Pass `deposit`: what the rays of all batches bring to the nodes from rho (D + H) at their emitter
+    /// ends; H is what `readout` found where `lit`, else 0. `direct` must have run.
+    fn deposit(&mut self, batches: &[Self::Batch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>>;
     /// Sets the linear system that `jacobi` iterates.
     fn set_system(&mut self, system: &System) -> Result<()>;
     /// Pass `jacobi`: `sweeps` sweeps from `light`.

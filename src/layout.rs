@@ -301,3 +301,15 @@ pub struct Plane {
     /// Material of the node.
     pub material: u32,
 }
+
+/// What is known to arrive around a node, in units of [`crate::twin::fixed::UNIT`] (72 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct NodeSource {
+    /// Sum of w psi s, a band each, where s is what the emitter end sends.
+    pub value: [Fixed; 3],
+    /// The same times (y - p) along the first tangent.
+    pub first: [Fixed; 3],
+    /// The same along the second tangent.
+    pub second: [Fixed; 3],
+}

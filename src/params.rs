@@ -22,7 +22,8 @@ pub struct Params {
     /// Light rays of the full network, 1,024 to 2^24; default 524,288. Error falls about as n^-0.3,
     /// time grows linearly.
     pub rays: u32,
-    /// Cells (reference rays) of the network, 16 to 100,000; default `rays/128`. Beyond `rays/64` cells buy nothing.
+    /// Cells (reference rays) of the network, 16 to 100,000; default `rays/512`, where the
+    /// refinements take their error out of the result; `rays/128` with `--direct network`.
     pub cells: Option<u32>,
     /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)`, plus one for each
     /// planar piece where there are more than 200.
@@ -31,6 +32,9 @@ pub struct Params {
     pub direct: Direct,
     /// Share alpha of starts drawn where light is expected, in [0, 0.95]; the rest covers the area uniformly. Default 0.7.
     pub alpha: f64,
+    /// Exponent gamma of the light that starts are drawn by, in [0, 1]; default 0.7 (`--direct network`
+    /// always uses 1). Lower values serve dark parts at the cost of bright ones.
+    pub gamma: f64,
     /// Weight lambda of normals in the metrics, in [0, 1]; default 0.3 (a length in units of L).
     pub lambda: f64,
     /// Weight mu of the emitter end's brightness in the ray metric, in [0, 2]; default 0.3.
@@ -49,6 +53,9 @@ pub struct Params {
     pub gather_rays: u32,
     /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 0.6.
     pub gather_threshold: f64,
+    /// Times the rays themselves carry the solution once more, 0 to 16; default 2. Takes the cells' error out
+    /// of the result (`--direct exact` only), for a pass over the rays.
+    pub refinements: u32,
     /// Relative error at which Jacobi stops, measured against the true fixed point, in [1e-9, 0.1]; default 1e-5.
     pub tolerance: f64,
     /// Most Jacobi sweeps, 1 to 1,000,000; default 20,000.
@@ -64,6 +71,7 @@ impl Default for Params {
             nodes: None,
             direct: Direct::Exact,
             alpha: 0.7,
+            gamma: 0.7,
             lambda: 0.3,
             mu: 0.3,
             ridge: 0.05,
@@ -73,6 +81,7 @@ impl Default for Params {
             direct_samples: 8_192,
             gather_rays: 512,
             gather_threshold: 0.6,
+            refinements: 2,
             tolerance: 1e-5,
             max_sweeps: 20_000,
         }
@@ -102,6 +111,7 @@ impl Params {
             within("nodes", n, 4, 1_000_000, "give 4 to 1000000 nodes")?;
         }
         within("alpha", self.alpha, 0.0, 0.95, "give 0 to 0.95")?;
+        within("gamma", self.gamma, 0.0, 1.0, "give 0 to 1")?;
         within("lambda", self.lambda, 0.0, 1.0, "give 0 to 1")?;
         within("mu", self.mu, 0.0, 2.0, "give 0 to 2")?;
         within("ridge", self.ridge, 1e-9, 1.0, "give 1e-9 to 1")?;
@@ -111,12 +121,14 @@ impl Params {
         within("direct_samples", self.direct_samples, 16, 65_536, "give 16 to 65536 samples")?;
         within("gather_rays", self.gather_rays, 0, 65_536, "give 0 to 65536 rays")?;
         within("gather_threshold", self.gather_threshold, 0.0, 1e9, "give a number of node spacings, 0 or more")?;
+        within("refinements", self.refinements, 0, 16, "give 0 to 16 refinements")?;
         within("tolerance", self.tolerance, 1e-9, 0.1, "give 1e-9 to 0.1")?;
         within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")
     }
 
     /// Cells asked for, or the default for the number of rays.
     pub fn cells(&self) -> u32 {
-        self.cells.unwrap_or((self.rays / 128).clamp(16, 100_000))
+        let share = if self.direct == Direct::Exact { 512 } else { 128 };
+        self.cells.unwrap_or((self.rays / share).clamp(16, 100_000))
     }
 }

@@ -2,10 +2,22 @@
 //!
 //! Without any adapter the tests pass with a note, unless `RAYCELL_REQUIRE_GPU` is set.
 
+use raycell::engine::Engine;
 use raycell::gpu::device::{BackendChoice, list_adapters, open};
 use raycell::gpu::sentinel::{self, Counts};
 use raycell::gpu::{Gpu, LIGHT};
-use raycell::{Error, wgpu};
+use raycell::layout::{CellFlux, DirectSum, Fixed, Link, NONE, NodeLight, NodeSums, Plane, Point, Psi, Slot, Tile, kind};
+use raycell::network::nodes::place_nodes;
+use raycell::pass::{self, GpuEngine, SceneBuffers, SurfaceBuffers};
+use raycell::progress::Flow;
+use raycell::scene::{Geometry, Material};
+use raycell::twin::assign::Surface;
+use raycell::twin::direct::Samples;
+use raycell::twin::gather::Gathered;
+use raycell::twin::jacobi::System;
+use raycell::twin::winner::{Feature, Metric};
+use raycell::twin::{self, TwinEngine};
+use raycell::{Backend, Error, Params, Scene, bake, wgpu};
 
 /// A device, or a note that there is none.
 fn gpu() -> Option<Gpu> {
@@ -81,4 +93,541 @@ fn a_poor_device_is_refused_and_a_destroyed_one_fails_typed() {
     assert!(limits.max_storage_buffers_per_shader_stage >= 8);
     let _: wgpu::Limits = Gpu::required_limits();
     Gpu::new(&open.device, &open.queue).unwrap();
+}
+
+// ---------------------------------------------------------------------------------------------
+// Passes against their twins
+// ---------------------------------------------------------------------------------------------
+
+/// Sizes that every pass is tried at.
+const FEW: [usize; 6] = [0, 1, 63, 64, 65, 10_007];
+/// 65,536 workgroups, one more than a dispatch may have; with 32-byte records just 128 MiB.
+const MANY: usize = 65_536 * 64;
+
+/// A quad as two triangles.
+fn quad(out: &mut Vec<([[f64; 3]; 3], u32)>, a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3], material: u32) {
+    out.push(([a, b, c], material));
+    out.push(([a, c, d], material));
+}
+
+/// A room open at one side, with a lamp, a block on its floor and a floating sheet: rays meet front
+/// faces, back faces and the sky, and there is floor that nothing sees.
+fn room_scene() -> Scene {
+    let mut t = Vec::new();
+    // Floor, ceiling, back and side walls face inwards; y = -1 is open.
+    quad(&mut t, [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], 0);
+    quad(&mut t, [-1.0, -1.0, 2.0], [-1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [1.0, -1.0, 2.0], 0);
+    quad(&mut t, [-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0], 0);
+    quad(&mut t, [-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, 1.0, 2.0], [-1.0, -1.0, 2.0], 1);
+    quad(&mut t, [1.0, -1.0, 0.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [1.0, 1.0, 0.0], 2);
+    // The lamp faces down.
+    quad(&mut t, [-0.3, -0.2, 1.98], [-0.3, 0.3, 1.98], [0.3, 0.3, 1.98], [0.3, -0.2, 1.98], 3);
+    // A block without a bottom: the floor below it is covered.
+    let (l, h) = ([-0.5, 0.1, 0.0], [0.1, 0.7, 0.8]);
+    quad(&mut t, [l[0], l[1], h[2]], [h[0], l[1], h[2]], [h[0], h[1], h[2]], [l[0], h[1], h[2]], 0);
+    quad(&mut t, [l[0], l[1], l[2]], [h[0], l[1], l[2]], [h[0], l[1], h[2]], [l[0], l[1], h[2]], 0);
+    quad(&mut t, [h[0], h[1], l[2]], [l[0], h[1], l[2]], [l[0], h[1], h[2]], [h[0], h[1], h[2]], 0);
+    quad(&mut t, [l[0], h[1], l[2]], [l[0], l[1], l[2]], [l[0], l[1], h[2]], [l[0], h[1], h[2]], 0);
+    quad(&mut t, [h[0], l[1], l[2]], [h[0], h[1], l[2]], [h[0], h[1], h[2]], [h[0], l[1], h[2]], 0);
+    // A sheet that faces up only.
+    quad(&mut t, [0.4, -0.6, 0.5], [0.9, -0.6, 0.5], [0.9, 0.2, 0.6], [0.4, 0.2, 0.6], 1);
+    let material = |name: &str, reflectance, emission| Material { name: name.into(), reflectance, emission };
+    let materials = vec![
+        material("white", [0.75, 0.75, 0.72], [0.0; 3]),
+        material("red", [0.6, 0.05, 0.05], [0.0; 3]),
+        material("green", [0.1, 0.5, 0.1], [0.0; 3]),
+        material("lamp", [0.3; 3], [17.0, 12.0, 4.0]),
+    ];
+    Scene::from_triangles("room", &t, materials).unwrap()
+}
+
+fn room() -> Geometry {
+    Geometry::new(&room_scene()).unwrap()
+}
+
+/// Uniform start tiles over all area.
+fn tiles(g: &Geometry) -> Vec<Tile> {
+    let mut sum = 0.0;
+    (0..g.tiles as usize)
+        .map(|t| {
+            sum += g.tile_area(t) / g.area;
+            let cdf = if t + 1 == g.tiles as usize { u32::MAX } else { (sum * 4294967296.0).min(4294967295.0) as u32 };
+            Tile { cdf, density: (1.0 / g.area) as f32 }
+        })
+        .collect()
+}
+
+/// Rays of the room by the twin, `points` ends of them, and what is known about those.
+struct Case {
+    geometry: Geometry,
+    surface: Surface,
+    points: Vec<Point>,
+    psi: Vec<Psi>,
+    features: Vec<Feature>,
+}
+
+const METRIC: Metric = Metric { inv_unit: 0.7, lambda: 0.3, mu: 0.3 };
+
+fn case(points: usize) -> Case {
+    let geometry = room();
+    let tiles = tiles(&geometry);
+    let density = vec![1.0; geometry.tiles as usize];
+    let surface = place_nodes(&mut TwinEngine::new(&geometry), &geometry, &density, 300, 0.3, 5).unwrap();
+    let rays = points.div_ceil(2) as u32;
+    let mut points_ = twin::emit::emit(&geometry, &tiles, 11, 0, rays, rays.max(1));
+    points_.truncate(points.next_multiple_of(2));
+    let psi = twin::assign::assign(&geometry, &surface, &points_);
+    let features = twin::winner::feature(&geometry, METRIC, &brightness(&geometry), &points_);
+    Case { geometry, surface, points: points_, psi, features }
+}
+
+fn brightness(g: &Geometry) -> Vec<f32> {
+    (0..g.tiles).map(|t| (t % 17) as f32 * 0.25).collect()
+}
+
+/// |a - b| within an absolute and a relative tolerance.
+fn close(a: f32, b: f32, abs: f32, rel: f32) -> bool {
+    (a - b).abs() <= abs + rel * a.abs().max(b.abs())
+}
+
+/// Share of the pairs that differ. A ray that grazes an edge, or a sum that rounds the other way, may
+/// fall out differently where multiply-adds are contracted; on lavapipe none does.
+fn share<T>(a: &[T], b: &[T], same: impl Fn(&T, &T) -> bool) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| !same(a, b)).count() as f64 / a.len().max(1) as f64
+}
+
+fn same_point(a: &Point, b: &Point) -> bool {
+    (a.kind, a.tri, a.tile) == (b.kind, b.tri, b.tile)
+        && (0..3).all(|k| close(a.p[k], b.p[k], 2e-6, 1e-6))
+        && close(a.weight, b.weight, 1e-12, 1e-4)
+        && close(a.density, b.density, 0.0, 1e-6)
+}
+
+fn same3(a: &[f32], b: &[f32]) -> bool {
+    (0..3).all(|k| close(a[k], b[k], 1e-6, 1e-4))
+}
+
+#[test]
+fn emit_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    let g = room();
+    let scene = SceneBuffers::new(&gpu, &g).unwrap();
+    let tiles = tiles(&g);
+    let device_tiles = gpu.upload("tiles", &tiles).unwrap();
+    for n in FEW {
+        let want = twin::emit::emit(&g, &tiles, 3, 77, n as u32, 10_007);
+        let got = gpu.read(&pass::emit::emit(&gpu, &scene, &device_tiles, 3, 77, n as u32, 10_007).unwrap()).unwrap();
+        gpu.check_finished().unwrap();
+        assert!(share(&want, &got, same_point) <= 1e-3, "{n}: {}", share(&want, &got, same_point));
+        if n > 1_000 {
+            for k in [kind::DEAD, kind::FRONT, kind::SKY, kind::BACK] {
+                assert!(want.iter().any(|p| p.kind == k), "the scene shows every kind of ray, also {k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shoot_and_gather_equal_their_twins() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW {
+        let c = case(n);
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let points = gpu.upload("points", &c.points).unwrap();
+        let want = twin::shoot::shoot(&c.geometry, &c.points, 9, 2, 5);
+        let hits = pass::shoot::shoot(&gpu, &scene, &points, 9, 2, 5).unwrap();
+        let got = gpu.read(&hits).unwrap();
+        assert!(share(&want, &got, same_point) <= 1e-3, "{n}: {}", share(&want, &got, same_point));
+
+        // Gather from the twin's hits, dark and lit.
+        let hits = gpu.upload("hits", &want).unwrap();
+        let light: Vec<[f32; 4]> = (0..want.len()).map(|i| [0.1, 0.01 * (i % 7) as f32, 2.0, 0.0]).collect();
+        let direct: Vec<DirectSum> = (0..want.len())
+            .map(|i| DirectSum { sum: [1.0, 2.0, (i % 5) as f32], rounds: (i % 3) as u32, ..DirectSum::default() })
+            .collect();
+        let (device_light, device_direct) = (gpu.upload("light", &light).unwrap(), gpu.upload("direct", &direct).unwrap());
+        for (lit, exact) in [(false, false), (true, false), (true, true)] {
+            let want =
+                twin::gather::gather(&c.geometry, &want, if lit { &light } else { &[] }, exact.then_some(direct.as_slice()), 5);
+            let got = pass::gather::gather(&gpu, &scene, &hits, lit.then_some(&device_light), exact.then_some(&device_direct), 5)
+                .unwrap();
+            let got = pass::gather::decode(&gpu.read(&got).unwrap());
+            let same = |a: &Gathered, b: &Gathered| {
+                same3(&a.irradiance, &b.irradiance)
+                    && close(a.nearness, b.nearness, 1e-6, 1e-4)
+                    && close(a.front, b.front, 1e-6, 0.0)
+                    && close(a.back, b.back, 1e-6, 0.0)
+            };
+            assert_eq!(share(&want, &got, same), 0.0, "{n}");
+        }
+        gpu.check_finished().unwrap();
+    }
+}
+
+#[test]
+fn kernel_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW {
+        // Pairs of unrelated points: some see each other, some do not.
+        let c = case(2 * n);
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let mut points = c.points;
+        let half = points.len() / 2;
+        for i in (1..half).step_by(2) {
+            points.swap(i, 2 * half - i);
+        }
+        let want = twin::kernel::kernel(&c.geometry, &points);
+        let got = pass::kernel::kernel(&gpu, &scene, &gpu.upload("points", &points).unwrap()).unwrap();
+        let got = gpu.read(&got).unwrap();
+        gpu.check_finished().unwrap();
+        assert!(share(&want, &got, |a, b| close(*a, *b, 1e-12, 1e-4)) <= 1e-3, "{n}");
+        assert!(n < 1000 || want.iter().filter(|&&g| g > 0.0).count() > n / 20);
+    }
+}
+
+#[test]
+fn direct_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    let samples = Samples { emitter: 3, cosine: 2 };
+    for n in FEW {
+        let c = case(n);
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let points = gpu.upload("points", &c.points).unwrap();
+        // Two out of three points, two calls of several rounds.
+        let active: Vec<u32> = (0..c.points.len() as u32).filter(|i| i % 3 != 1).collect();
+        let mut want = vec![DirectSum::default(); c.points.len()];
+        let sums = gpu.alloc("sums", c.points.len()).unwrap();
+        let device_active = gpu.upload("active", &active).unwrap();
+        for (first, rounds) in [(0, 4), (4, 7)] {
+            twin::direct::direct(&c.geometry, &c.points, &active, 21, first, rounds, samples, &mut want);
+            pass::direct::direct(&gpu, &scene, &points, &device_active, 21, first, rounds, samples, &sums).unwrap();
+        }
+        let got = gpu.read(&sums).unwrap();
+        gpu.check_finished().unwrap();
+        let same =
+            |a: &DirectSum, b: &DirectSum| a.rounds == b.rounds && same3(&a.sum, &b.sum) && close(a.square, b.square, 1e-6, 1e-4);
+        // A point takes 55 rays, each with its own chance of grazing an edge.
+        assert!(share(&want, &got, same) <= 1e-2, "{n}: {}", share(&want, &got, same));
+    }
+}
+
+#[test]
+fn assign_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW {
+        let c = case(n);
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let surface = SurfaceBuffers::new(&gpu, &c.surface).unwrap();
+        let points = gpu.upload("points", &c.points).unwrap();
+        // Any order gives the same.
+        let order: Vec<u32> = (0..c.points.len() as u32).rev().collect();
+        let order = gpu.upload("order", &order).unwrap();
+        let got = gpu.read(&pass::assign::assign(&gpu, &scene, &surface, &points, &order).unwrap()).unwrap();
+        gpu.check_finished().unwrap();
+        let same = |a: &Psi, b: &Psi| a.node == b.node && (0..4).all(|k| close(a.weight[k], b.weight[k], 1e-5, 1e-4));
+        assert!(share(&c.psi, &got, same) <= 1e-3, "{n}: {}", share(&c.psi, &got, same));
+    }
+}
+
+#[test]
+fn feature_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW {
+        let c = case(n);
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let points = gpu.upload("points", &c.points).unwrap();
+        let brightness = gpu.upload("brightness", &brightness(&c.geometry)).unwrap();
+        let got = gpu.read(&pass::feature::feature(&gpu, &scene, METRIC, &brightness, &points).unwrap()).unwrap();
+        let same = |a: &Feature, b: &Feature| (0..16).all(|k| close(a[k], b[k], 1e-7, 1e-6));
+        assert_eq!(share(&c.features, &got, same), 0.0, "{n}");
+    }
+}
+
+/// Features that are cheap to make: a few distinct numbers in each component, so that ties occur.
+fn cheap_features(n: usize, seed: u32) -> Vec<Feature> {
+    (0..n as u32)
+        .map(|i| {
+            std::array::from_fn(
+                |k| {
+                    if k < 13 { (twin::math::hash(seed ^ (i * 16 + k as u32)) % 5) as f32 * 0.25 - 0.5 } else { 0.0 }
+                },
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn winner_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    for (n, cells) in [(0, 5), (1, 1), (63, 64), (64, 3), (65, 0), (10_007, 321), (301, 40_000), (1_048_576 + 5, 2)] {
+        let (features, centres) = (cheap_features(n, 1), cheap_features(cells, 2));
+        let want = twin::winner::winner(&features, &centres);
+        let (device_features, device_cells) =
+            (gpu.upload("features", &features).unwrap(), gpu.upload("cells", &centres).unwrap());
+        let winners = gpu.upload("winners", &vec![7; n]).unwrap();
+        pass::winner::winner(&gpu, &device_features, 0..n, &device_cells, &winners).unwrap();
+        assert_eq!(share(&want, &gpu.read(&winners).unwrap(), |a, b| a == b), 0.0, "{n} {cells}");
+
+        // A part of the range leaves the rest alone.
+        if n > 60 {
+            let winners = gpu.upload("winners", &vec![7; n]).unwrap();
+            pass::winner::winner(&gpu, &device_features, 5..n - 6, &device_cells, &winners).unwrap();
+            let got = gpu.read(&winners).unwrap();
+            assert_eq!(got[..5], [7; 5]);
+            assert_eq!(got[n - 6..], [7; 6]);
+            assert_eq!(got[5..n - 6], want[5..n - 6]);
+        }
+        gpu.check_finished().unwrap();
+    }
+}
+
+#[test]
+fn accumulate_and_adapt_equal_their_twins() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW {
+        let c = case(n);
+        let centres = cheap_features(50, 3);
+        let winners = twin::winner::winner(&c.features, &centres);
+        let want = twin::accumulate::accumulate(&c.points, &c.features, &winners, &centres);
+        let points = gpu.upload("points", &c.points).unwrap();
+        let features = gpu.upload("features", &c.features).unwrap();
+        let winners = gpu.upload("winners", &winners).unwrap();
+        let cells = gpu.upload("cells", &centres).unwrap();
+        let sums = pass::accumulate::accumulate(&gpu, &points, &features, &winners, 0..c.points.len(), &cells).unwrap();
+        let got = gpu.read(&sums).unwrap();
+        for (w, g) in want.iter().zip(&got) {
+            // Features are summed as they are, bit for bit; distances may be contracted.
+            assert_eq!((w.feature, w.count), (g.feature, g.count), "{n}");
+            let (a, b) = (w.distortion.units() as f64, g.distortion.units() as f64);
+            assert!((a - b).abs() <= 1e-5 * a, "{n}: {a} {b}");
+        }
+
+        // A ring of neighbours; one cell without any.
+        let m = centres.len() as u32;
+        let offsets: Vec<u32> = (0..=m).map(|i| 2 * i.min(m - 1)).collect();
+        let neighbours: Vec<u32> = (0..m - 1).flat_map(|i| [(i + 1) % m, (i + m - 1) % m]).collect();
+        let (device_offsets, device_neighbours) =
+            (gpu.upload("offsets", &offsets).unwrap(), gpu.upload("neighbours", &neighbours).unwrap());
+        for eta in [0.0, 0.05] {
+            let want = twin::adapt::adapt(&centres, &got, &offsets, &neighbours, eta);
+            let moved = pass::adapt::adapt(&gpu, &cells, &sums, &device_offsets, &device_neighbours, eta).unwrap();
+            let same = |a: &Feature, b: &Feature| (0..16).all(|k| close(a[k], b[k], 1e-6, 1e-5));
+            assert_eq!(share(&want, &gpu.read(&moved).unwrap(), same), 0.0, "{n}");
+        }
+        gpu.check_finished().unwrap();
+    }
+}
+
+#[test]
+fn coefficients_equal_their_twin() {
+    let Some(gpu) = gpu() else { return };
+    for (n, cells) in [(0, 3), (1, 1), (63, 9), (64, 9), (65, 9), (10_007, 300), (10_007, 4)] {
+        let c = case(n);
+        let winners: Vec<u32> =
+            (0..c.points.len() as u32).map(|i| if i % 31 == 5 { NONE } else { i / 2 % cells as u32 }).collect();
+        let direct: Vec<DirectSum> = (0..c.points.len())
+            .map(|i| DirectSum { sum: [0.5, 0.25, (i % 5) as f32 * 0.1], rounds: 1 + i as u32 % 3, ..DirectSum::default() })
+            .collect();
+        let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+        let surface = SurfaceBuffers::new(&gpu, &c.surface).unwrap();
+        let points = gpu.upload("points", &c.points).unwrap();
+        let psi = gpu.upload("psi", &c.psi).unwrap();
+        let device_winners = gpu.upload("winners", &winners).unwrap();
+        let device_direct = gpu.upload("direct", &direct).unwrap();
+        let normalise = (0.3 / c.geometry.area) as f32;
+        for exact in [false, true] {
+            let mut want = twin::coefficients::Sums::default();
+            // Twice the same batch: batches add up. Four cells see more nodes than a row starts with.
+            for _ in 0..2 {
+                want.merge(twin::coefficients::coefficients(
+                    &c.geometry,
+                    &c.surface,
+                    &c.points,
+                    &c.psi,
+                    &winners,
+                    exact.then_some(direct.as_slice()),
+                    normalise,
+                    n as f32,
+                    cells,
+                ));
+            }
+            let rays = pass::coefficients::Rays {
+                points: &points,
+                psi: &psi,
+                winners: &device_winners,
+                direct: exact.then_some(&device_direct),
+            };
+            let got =
+                pass::coefficients::coefficients(&gpu, &scene, &surface, &[rays, rays], normalise, n as f32, cells).unwrap();
+            gpu.check_finished().unwrap();
+
+            // Integer sums of the same floats; a contracted product may differ in its last bit.
+            let near = |a: Fixed, b: Fixed| (a.units() - b.units()).abs() <= (a.units().abs() >> 16) + (1 << 34);
+            let rows = |a: &[Vec<Slot>], b: &[Vec<Slot>]| {
+                assert_eq!((a.len(), b.len()), (cells, cells));
+                for (a, b) in a.iter().zip(b) {
+                    let same = |a: &Slot, b: &Slot| {
+                        a.key == b.key && near(a.value, b.value) && near(a.first, b.first) && near(a.second, b.second)
+                    };
+                    assert_eq!(share(a, b, same), 0.0, "{n} {cells}");
+                }
+            };
+            rows(&want.gather, &got.gather);
+            rows(&want.deposit, &got.deposit);
+            let flux = |a: &CellFlux, b: &CellFlux| near(a.flux, b.flux) && (0..3).all(|k| near(a.source[k], b.source[k]));
+            assert_eq!(share(&want.flux, &got.flux, flux), 0.0, "{n} {cells}");
+            let nodes = |a: &NodeSums, b: &NodeSums| {
+                near(a.mass, b.mass)
+                    && near(a.square, b.square)
+                    && (0..2).all(|k| near(a.first[k], b.first[k]))
+                    && (0..3).all(|k| near(a.second[k], b.second[k]))
+            };
+            assert_eq!(share(&want.nodes, &got.nodes, nodes), 0.0, "{n} {cells}");
+        }
+    }
+}
+
+#[test]
+fn fixed_point_words_equal_their_twin() {
+    let Some(gpu) = gpu() else { return };
+    // Numbers of every size through the flux kernel: a ray each, one cell each.
+    let c = case(2);
+    let scene = SceneBuffers::new(&gpu, &c.geometry).unwrap();
+    let surface = SurfaceBuffers::new(&gpu, &c.surface).unwrap();
+    let mut start = *c.points.iter().find(|p| p.tri != NONE).unwrap();
+    start.kind = kind::FRONT;
+    let weights: Vec<f32> = (0..2_000u32)
+        .map(|i| f32::from_bits(twin::math::hash(i) & 0x007f_ffff | (30 + i % 100) << 23))
+        .filter(|w| *w < 15.0)
+        .collect();
+    let points: Vec<Point> =
+        weights.iter().flat_map(|&weight| [Point { weight, ..start }, Point { weight: 0.0, ..start }]).collect();
+    let psi = vec![Psi::EMPTY; points.len()];
+    let winners: Vec<u32> = (0..points.len() as u32).map(|d| d / 2).collect();
+    let cells = weights.len();
+    let want = twin::coefficients::coefficients(&c.geometry, &c.surface, &points, &psi, &winners, None, 1.0, 1.0, cells);
+    let (points, psi) = (gpu.upload("points", &points).unwrap(), gpu.upload("psi", &psi).unwrap());
+    let winners = gpu.upload("winners", &winners).unwrap();
+    let rays = pass::coefficients::Rays { points: &points, psi: &psi, winners: &winners, direct: None };
+    let got = pass::coefficients::coefficients(&gpu, &scene, &surface, &[rays], 1.0, 1.0, cells).unwrap();
+    for i in 0..cells {
+        assert_eq!(want.flux[i].flux, got.flux[i].flux, "{} {:x}", weights[i], weights[i].to_bits());
+    }
+}
+
+#[test]
+fn jacobi_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    let g = room();
+    let scene = SceneBuffers::new(&gpu, &g).unwrap();
+    for (cells, nodes) in [(0, 0), (1, 1), (63, 65), (64, 64), (65, 63), (10_007, 501), (MANY, 1000), (1000, MANY / 2)] {
+        // A few links a cell and a node, small enough to contract.
+        let number = |i: usize| (twin::math::hash(i as u32) % 1000) as f32 * 1e-4;
+        let links = |rows: usize, others: usize, a_row: usize| {
+            let count = |r: usize| if others == 0 { 0 } else { (r + 1) % a_row };
+            let mut offsets = vec![0u32];
+            let mut links = Vec::new();
+            for r in 0..rows {
+                for k in 0..count(r) {
+                    let i = r * 8 + k;
+                    let other = twin::math::hash(i as u32 ^ 77) % others as u32;
+                    links.push(Link { other, value: number(i), first: number(i + 1) * 0.1, second: -number(i + 2) * 0.1 });
+                }
+                offsets.push(links.len() as u32);
+            }
+            (offsets, links)
+        };
+        let (cell_offsets, cell_links) = links(cells, nodes, 4);
+        let (node_offsets, node_links) = links(nodes, cells, 8);
+        let system = System {
+            cell_offsets,
+            cell_links,
+            source: (0..cells).map(|c| [number(c), number(c + 5), 0.0, 0.0]).collect(),
+            node_offsets,
+            node_links,
+            planes: (0..nodes).map(|j| Plane { i11: 0.5, i12: -0.1, i22: 0.7, material: j as u32 % 4 }).collect(),
+        };
+        let light: Vec<NodeLight> = (0..nodes).map(|j| NodeLight { h: [number(j); 3], ..NodeLight::default() }).collect();
+        let sweeps = if cells + nodes > 100_000 { 2 } else { 37 };
+        let want = twin::jacobi::jacobi(&system, &g.materials, &light, sweeps);
+        let device_system = pass::jacobi::SystemBuffers::new(&gpu, &system).unwrap();
+        let device_light = gpu.upload("light", &light).unwrap();
+        pass::jacobi::jacobi(&gpu, &scene, &device_system, &device_light, sweeps).unwrap();
+        let got = gpu.read(&device_light).unwrap();
+        gpu.check_finished().unwrap();
+        let same = |a: &NodeLight, b: &NodeLight| same3(&a.h, &b.h) && same3(&a.g0, &b.g0) && same3(&a.g1, &b.g1);
+        assert_eq!(share(&want, &got, same), 0.0, "{cells} {nodes}");
+    }
+}
+
+#[test]
+fn readout_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    let base = case(10_007);
+    let surface = SurfaceBuffers::new(&gpu, &base.surface).unwrap();
+    let light: Vec<NodeLight> = (0..base.surface.nodes.len())
+        .map(|j| NodeLight { h: [1.0, 0.01 * j as f32, -0.5], g0: [0.3; 3], g1: [-0.7; 3], ..NodeLight::default() })
+        .collect();
+    let device_light = gpu.upload("light", &light).unwrap();
+    for n in FEW.into_iter().chain([MANY]) {
+        // Many points repeat a few.
+        let points: Vec<Point> = base.points.iter().cycle().take(n).copied().collect();
+        let psi: Vec<Psi> = base.psi.iter().cycle().take(n).copied().collect();
+        let want = twin::readout::readout(&base.surface, &light, &points, &psi);
+        let (points, psi) = (gpu.upload("points", &points).unwrap(), gpu.upload("psi", &psi).unwrap());
+        let got = gpu.read(&pass::readout::readout(&gpu, &surface, &device_light, &points, &psi).unwrap()).unwrap();
+        assert_eq!(share(&want, &got, |a, b| same3(a, b)), 0.0, "{n}");
+    }
+}
+
+#[test]
+fn same_seed_same_bytes() {
+    let Some(gpu) = gpu() else { return };
+    let g = room();
+    let tiles = tiles(&g);
+    let run = || {
+        let mut engine = GpuEngine::new(&gpu, &g).unwrap();
+        let mut batch = engine.emit(&tiles, 3, 0, 20_000, 20_000).unwrap();
+        engine.feature(&mut batch, METRIC, &brightness(&g)).unwrap();
+        let cells = cheap_features(20, 8);
+        engine.winner(&mut batch, 0..40_000, &cells).unwrap();
+        engine.accumulate(&batch, 0..40_000, &cells).unwrap()
+    };
+    // Many invocations add to few cells; the sums are integers, so their order does not show.
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn a_whole_bake_equals_the_twins() {
+    use raycell::solution::SurfacePoint;
+    let Some(gpu) = gpu() else { return };
+    let gpu = std::sync::Arc::new(gpu);
+    let scene = room_scene();
+    let params = Params { rays: 16_384, ..Params::default() };
+    let points: Vec<SurfacePoint> = (0..200)
+        .map(|i| {
+            let u = twin::sobol::sobol4(i, 4);
+            let at = |x: u32| 1.9 * twin::math::unit(x) as f64 - 0.95;
+            match i % 3 {
+                0 => SurfacePoint { p: [at(u[0]), at(u[1]), 0.0], n: [0.0, 0.0, 1.0] },
+                1 => SurfacePoint { p: [at(u[0]), 1.0, 1.0 + at(u[1])], n: [0.0, -1.0, 0.0] },
+                _ => SurfacePoint { p: [-1.0, at(u[0]), 1.0 + at(u[1])], n: [1.0, 0.0, 0.0] },
+            }
+        })
+        .collect();
+    let run = |backend: Backend| {
+        let solution = bake(&backend, &scene, &params, &mut |_| Flow::Continue).unwrap();
+        (solution.report().clone(), solution.query(&backend, &points).unwrap())
+    };
+    let (cpu, want) = run(Backend::Cpu);
+    let (device, got) = run(Backend::Gpu(gpu));
+    // The same bytes on lavapipe. Elsewhere a contracted multiply-add may send a ray to another cell, and
+    // growth goes its own way from there: then both are solutions of equal worth.
+    assert_eq!((cpu.cells, cpu.nodes, cpu.rays), (device.cells, device.nodes, device.rays));
+    let norm: f64 = want.iter().map(|a| a.b[1] * a.b[1]).sum();
+    let off: f64 = want.iter().zip(&got).map(|(a, b)| (a.b[1] - b.b[1]).powi(2)).sum();
+    let off = (off / norm).sqrt();
+    eprintln!("answers differ by {off:.1e}");
+    assert!(norm > 0.0 && off < 0.03, "{off}");
 }

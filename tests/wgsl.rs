@@ -122,7 +122,8 @@ fn parameters_match() {
     use raycell::pass;
     let params = [
         ("sentinel", layout!(raycell::gpu::sentinel::Params { base, count, trips, bits })),
-        ("emit", layout!(pass::emit::Params { base, count, flag, seed, first, total, tiles, pad0 })),
+        ("emit", layout!(pass::emit::Params { base, count, flag, seed, first, total, tiles, rays, bits, pad0, pad1, pad2 })),
+        ("probe", layout!(pass::emit::ProbeParams { base, count, flag, seed, first, pad0, pad1, pad2 })),
         ("shoot", layout!(pass::shoot::Params { base, count, flag, seed, first, rays, pad0, pad1 })),
         ("kernel", layout!(pass::kernel::Params { base, count, flag, pad0 })),
         (
@@ -142,7 +143,7 @@ fn parameters_match() {
                 pad1
             }),
         ),
-        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, pad0, pad1, pad2 })),
+        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, pad0, pad1 })),
         ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
         ("winner", layout!(pass::winner::Params { base, count, flag, start, features, first, end, pad0 })),
         ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),

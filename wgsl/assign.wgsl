@@ -8,18 +8,19 @@ struct Params {
     flag: u32,
     inv_unit: f32, // 1/L
     lambda: f32, // weight of normals
+    first_list: u32, // where the candidates begin
     pad0: u32,
     pad1: u32,
-    pad2: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> bvh: array<BvhNode>;
 @group(0) @binding(2) var<storage, read> tris: array<Tri>;
 @group(0) @binding(3) var<storage, read> nodes: array<Node>;
-@group(0) @binding(4) var<storage, read> offsets: array<u32>; // a tile's candidates
-@group(0) @binding(5) var<storage, read> candidates: array<Candidate>;
-@group(0) @binding(6) var<storage, read> points: array<Point>;
+// Start of each tile's candidates, then all candidates, two words each.
+@group(0) @binding(4) var<storage, read> lists: array<u32>;
+@group(0) @binding(5) var<storage, read> points: array<Point>;
+@group(0) @binding(6) var<storage, read> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> psi: array<Psi>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
 
@@ -27,6 +28,15 @@ const NEAREST = 9u; // candidates looked at
 const PLANE = 0.3; // share of the distance by which one point may lie off the other's plane
 const PLANE_FLOOR = 1e-3; // the same in units of L
 const LIFT = 0.1; // share of the distance by which the segment is lifted
+
+fn candidate_node(c: u32) -> u32 {
+    return lists[params.first_list + 2u * c];
+}
+
+// Whether nothing can stand between the tile and the node.
+fn candidate_free(c: u32) -> bool {
+    return lists[params.first_list + 2u * c + 1u] == 1u;
+}
 
 // Squared distance in the metric (y/L, lambda n).
 fn distance2(p: vec3<f32>, n: vec3<f32>, node: u32) -> f32 {
@@ -43,6 +53,30 @@ fn in_sight(p: vec3<f32>, n: vec3<f32>, plane: u32, node: u32) -> bool {
     return !segment_blocked(p + n * lift, q + nodes[node].n * lift, vec2<u32>(plane, nodes[node].plane));
 }
 
+// Whether a node lies near a point's plane, and the point near the node's.
+fn compatible(p: vec3<f32>, n: vec3<f32>, node: u32) -> bool {
+    let d = p - nodes[node].p;
+    let length = sqrt(dot3(d, d));
+    let off = max(abs(dot3(d, nodes[node].n)), abs(dot3(d, n)));
+    return !(off * params.inv_unit >= PLANE * length * params.inv_unit + PLANE_FLOOR);
+}
+
+// What was found so far: compatible nodes with their squared distances, or one for an orphan.
+var<private> found: u32;
+var<private> found_d: array<f32, 5>;
+var<private> found_n: array<u32, 5>;
+var<private> orphan: u32 = NONE;
+
+fn take(k: u32, d2: f32, node: u32) {
+    if k >= NEAREST {
+        orphan = node;
+    } else {
+        found_d[found] = d2;
+        found_n[found] = node;
+        found++;
+    }
+}
+
 fn weights(i: u32) -> Psi {
     var result = Psi(vec4<u32>(NONE, NONE, NONE, NONE), vec4<f32>());
     let tri = points[i].tri;
@@ -54,67 +88,86 @@ fn weights(i: u32) -> Psi {
     let n = tris[tri].normal;
     let plane = tris[tri].plane;
 
-    // Keep the nearest candidates in order; the earlier of two equals comes first.
-    var near_d: array<f32, NEAREST>;
-    var near_c: array<u32, NEAREST>;
-    for (var k = 0u; k < NEAREST; k++) {
-        near_d[k] = F32_MAX;
-        near_c[k] = NONE;
-    }
-    let end = offsets[tile + 1u];
-    var c = offsets[tile];
+    // Keep the nearest candidates in order; the earlier of two equals comes first. The slots are named
+    // one by one, so that they stay in registers.
+    var d0 = F32_MAX;
+    var d1 = F32_MAX;
+    var d2 = F32_MAX;
+    var d3 = F32_MAX;
+    var d4 = F32_MAX;
+    var d5 = F32_MAX;
+    var d6 = F32_MAX;
+    var d7 = F32_MAX;
+    var d8 = F32_MAX;
+    var c0 = NONE;
+    var c1 = NONE;
+    var c2 = NONE;
+    var c3 = NONE;
+    var c4 = NONE;
+    var c5 = NONE;
+    var c6 = NONE;
+    var c7 = NONE;
+    var c8 = NONE;
+    let end = lists[tile + 1u];
+    var c = lists[tile];
     for (; c < end; c++) {
-        var d = distance2(p, n, candidates[c].node);
-        var id = c;
-        if d < near_d[NEAREST - 1u] {
-            for (var k = 0u; k < NEAREST; k++) {
-                if d < near_d[k] {
-                    let other_d = near_d[k];
-                    let other_c = near_c[k];
-                    near_d[k] = d;
-                    near_c[k] = id;
-                    d = other_d;
-                    id = other_c;
-                }
-            }
+        let d = distance2(p, n, candidate_node(c));
+        if d < d8 {
+            let b0 = d < d0;
+            let b1 = d < d1;
+            let b2 = d < d2;
+            let b3 = d < d3;
+            let b4 = d < d4;
+            let b5 = d < d5;
+            let b6 = d < d6;
+            let b7 = d < d7;
+            d8 = select(d, d7, b7);
+            c8 = select(c, c7, b7);
+            d7 = select(select(d7, d, b7), d6, b6);
+            c7 = select(select(c7, c, b7), c6, b6);
+            d6 = select(select(d6, d, b6), d5, b5);
+            c6 = select(select(c6, c, b6), c5, b5);
+            d5 = select(select(d5, d, b5), d4, b4);
+            c5 = select(select(c5, c, b5), c4, b4);
+            d4 = select(select(d4, d, b4), d3, b3);
+            c4 = select(select(c4, c, b4), c3, b3);
+            d3 = select(select(d3, d, b3), d2, b2);
+            c3 = select(select(c3, c, b3), c2, b2);
+            d2 = select(select(d2, d, b2), d1, b1);
+            c2 = select(select(c2, c, b2), c1, b1);
+            d1 = select(select(d1, d, b1), d0, b0);
+            c1 = select(select(c1, c, b1), c0, b0);
+            d0 = select(d0, d, b0);
+            c0 = select(c0, c, b0);
         }
     }
     unfinished = unfinished || c < end;
+    var near_d = array<f32, NEAREST>(d0, d1, d2, d3, d4, d5, d6, d7, d8);
+    var near_c = array<u32, NEAREST>(c0, c1, c2, c3, c4, c5, c6, c7, c8);
 
-    // Take the first five that are compatible; the fifth only sets the radius. If none is, the second
-    // round names the nearest in sight, whatever its plane.
-    var found_d: array<f32, 5>;
-    var found_n: array<u32, 5>;
-    var found = 0u;
-    var orphan = NONE;
-    for (var k = 0u; k < 2u * NEAREST; k++) {
-        let second = k >= NEAREST;
-        let slot = select(k, k - NEAREST, second);
-        let at = near_c[slot];
-        if found == 5u || (second && (found > 0u || orphan != NONE)) {
-            break;
-        }
-        if at == NONE {
-            continue;
-        }
-        let node = candidates[at].node;
-        if !second {
-            let d = p - nodes[node].p;
-            let length = sqrt(dot3(d, d));
-            let off = max(abs(dot3(d, nodes[node].n)), abs(dot3(d, n)));
-            if off * params.inv_unit >= PLANE * length * params.inv_unit + PLANE_FLOOR {
-                continue;
+    // Take the first five that are compatible; the fifth only sets the radius. If none is, a second
+    // round names the nearest in sight, whatever its plane. Each trip goes on to the next candidate that
+    // needs a ray, so that neighbouring invocations shoot together.
+    var k = 0u;
+    var pending = true;
+    while pending {
+        pending = false;
+        var node = NONE;
+        while !pending && k < 2u * NEAREST && found < 5u && orphan == NONE && (k < NEAREST || found == 0u) {
+            let at = near_c[k % NEAREST];
+            if at != NONE {
+                node = candidate_node(at);
+                if k >= NEAREST || compatible(p, n, node) {
+                    pending = !candidate_free(at);
+                    if !pending {
+                        take(k, near_d[k % NEAREST], node);
+                    }
+                }
             }
+            k++;
         }
-        if candidates[at].free == 0u && !in_sight(p, n, plane, node) {
-            continue;
-        }
-        if second {
-            orphan = node;
-        } else {
-            found_d[found] = near_d[slot];
-            found_n[found] = node;
-            found++;
+        if pending && in_sight(p, n, plane, node) {
+            take(k - 1u, near_d[(k - 1u) % NEAREST], node);
         }
     }
     if found == 0u {
@@ -140,7 +193,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if gid.x >= params.count {
         return;
     }
-    let i = params.base + gid.x;
+    let i = order[params.base + gid.x];
     psi[i] = weights(i);
     finish();
 }

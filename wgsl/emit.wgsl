@@ -1,4 +1,4 @@
-// Pass emit: start points by importance, cosine directions, first hits. Twin: src/twin/emit.rs.
+// Pass emit, first kernel: start points by importance, cosine directions, first hits. Twin: src/twin/emit.rs.
 #import layout
 #import surface
 #import sobol
@@ -12,7 +12,11 @@ struct Params {
     first: u32, // first ray of the sequence
     total: u32, // rays that the weights are divided by
     tiles: u32,
+    rays: u32,
+    bits: u32, // of the number of invocations, a power of two >= 2
     pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -21,41 +25,22 @@ struct Params {
 @group(0) @binding(3) var<storage, read> tiles: array<Tile>;
 @group(0) @binding(4) var<storage, read> tile_tri: array<u32>;
 @group(0) @binding(5) var<storage, read_write> points: array<Point>;
-@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
-
-const PROBES = 11u; // cosine rays that decide whether a start is dead
-const SKY_PROBES = 4u; // probes after which a start that has seen sky only is alive
+// Rays whose start may be dead, in any order; their number comes first.
+@group(0) @binding(6) var<storage, read_write> suspects: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
 
 fn cdf(i: u32) -> u32 {
     return tiles[i].cdf;
 }
 
-// Whether a point that has not yet seen a front face is dead.
-fn is_dead(tri: u32, p: vec3<f32>, seed: u32, first: u32) -> bool {
-    let n = tris[tri].normal;
-    var back = select(0u, 1u, first == BACK);
-    var k = 0u;
-    for (; k < PROBES; k++) {
-        let u = sobol4(k, seed);
-        let met = first_hit(tri, p, cosine_direction(n, unit(u.z), unit(u.w)));
-        if met.kind == FRONT {
-            return false;
-        }
-        back += select(0u, 1u, met.kind == BACK);
-        if back == 0u && k + 1u == SKY_PROBES {
-            return false;
-        }
-    }
-    unfinished = unfinished || k < PROBES;
-    return 4u * back >= PROBES + 1u;
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
-    if gid.x >= params.count {
+    // Take the rays in the order of their starts: the first dimension of the sequence reverses the
+    // index's bits. Neighbouring invocations then walk the same part of the hierarchy.
+    let item = reverseBits(params.base + gid.x) >> (32u - params.bits);
+    if gid.x >= params.count || item >= params.rays {
         return;
     }
-    let item = params.base + gid.x;
     let i = params.first + item;
 
     // Draw the start and the direction.
@@ -78,11 +63,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         end.density = tiles[end.tile].density;
         s.weight = 1.0 / (n * (density + end.density));
         end.weight = s.weight;
-    } else if is_dead(tri, p, seed_of(params.seed, i), met.kind) {
-        s.kind = DEAD;
-        end.kind = DEAD;
     } else {
         s.weight = 1.0 / (n * density);
+        atomicStore(&suspects[1u + atomicAdd(&suspects[0], 1u)], item);
     }
     points[2u * item] = s;
     points[2u * item + 1u] = end;

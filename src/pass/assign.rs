@@ -14,12 +14,12 @@ params!(
         inv_unit: f32,
         /// Weight of normals.
         lambda: f32,
+        /// Where the candidates begin.
+        first_list: u32,
         /// Padding.
         pad0: u32,
         /// Padding.
         pad1: u32,
-        /// Padding.
-        pad2: u32,
     }
 );
 
@@ -28,17 +28,29 @@ const KERNEL: Kernel = Kernel {
     buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 };
 
-/// The weights of many points.
-pub fn assign(gpu: &Gpu, scene: &SceneBuffers, surface: &SurfaceBuffers, points: &GpuVec<Point>) -> Result<GpuVec<Psi>> {
+/// The weights of many points, looked at in the order of `order`, a permutation of them.
+pub fn assign(
+    gpu: &Gpu,
+    scene: &SceneBuffers,
+    surface: &SurfaceBuffers,
+    points: &GpuVec<Point>,
+    order: &GpuVec<u32>,
+) -> Result<GpuVec<Psi>> {
     let psi = gpu.alloc("psi", points.len())?;
-    let params = Params { flag: gpu.flag(&KERNEL), inv_unit: surface.inv_unit, lambda: surface.lambda, ..Params::default() };
+    let params = Params {
+        flag: gpu.flag(&KERNEL),
+        inv_unit: surface.inv_unit,
+        lambda: surface.lambda,
+        first_list: surface.first_list,
+        ..Params::default()
+    };
     let buffers = [
         scene.nodes.buffer(),
         scene.tris.buffer(),
         surface.nodes.buffer(),
-        surface.offsets.buffer(),
-        surface.candidates.buffer(),
+        surface.lists.buffer(),
         points.buffer(),
+        order.buffer(),
         psi.buffer(),
         gpu.status(),
     ];

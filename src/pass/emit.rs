@@ -1,4 +1,6 @@
 //! Pass `emit`: start points by importance, cosine directions, first hits. Twin: [`crate::twin::emit`].
+//!
+//! Two kernels: `emit` shoots the rays, `probe` takes out those whose start is dead.
 
 use super::{SceneBuffers, params};
 use crate::error::Result;
@@ -18,13 +20,47 @@ params!(
         total: u32,
         /// Number of tiles.
         tiles: u32,
+        /// Number of rays.
+        rays: u32,
+        /// Binary digits of a ray's place in the batch; invocations are 2^bits.
+        bits: u32,
         /// Padding.
         pad0: u32,
+        /// Padding.
+        pad1: u32,
+        /// Padding.
+        pad2: u32,
     }
 );
 
-const KERNEL: Kernel =
-    Kernel { name: "emit", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+/// Parameters of `wgsl/probe.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct ProbeParams {
+    /// First item.
+    pub base: u32,
+    /// Items in the dispatch.
+    pub count: u32,
+    /// Place of the finished flag.
+    pub flag: u32,
+    /// Seed of the sequence.
+    pub seed: u32,
+    /// First ray of the sequence.
+    pub first: u32,
+    /// Padding.
+    pub pad0: u32,
+    /// Padding.
+    pub pad1: u32,
+    /// Padding.
+    pub pad2: u32,
+}
+
+const KERNEL: Kernel = Kernel {
+    name: "emit",
+    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write],
+};
+const PROBE: Kernel =
+    Kernel { name: "probe", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.
 pub fn emit(
@@ -37,9 +73,23 @@ pub fn emit(
     total: u32,
 ) -> Result<GpuVec<Point>> {
     let points = gpu.alloc("points", 2 * count as usize)?;
-    let params = Params { flag: gpu.flag(&KERNEL), seed, first, total, tiles: tiles.len() as u32, ..Params::default() };
-    let buffers =
-        [scene.nodes.buffer(), scene.tris.buffer(), tiles.buffer(), scene.tile_tri.buffer(), points.buffer(), gpu.status()];
-    gpu.run(&KERNEL, &params, &buffers, count as usize, HEAVY)?;
+    let suspects = gpu.alloc::<u32>("suspects", 1 + count as usize)?;
+    let bits = count.next_power_of_two().trailing_zeros().max(1);
+    let params =
+        Params { flag: gpu.flag(&KERNEL), seed, first, total, tiles: tiles.len() as u32, rays: count, bits, ..Params::default() };
+    let buffers = [
+        scene.nodes.buffer(),
+        scene.tris.buffer(),
+        tiles.buffer(),
+        scene.tile_tri.buffer(),
+        points.buffer(),
+        suspects.buffer(),
+        gpu.status(),
+    ];
+    let invocations = if count == 0 { 0 } else { 1 << bits };
+    gpu.run(&KERNEL, &params, &buffers, invocations, HEAVY)?;
+    let params = ProbeParams { flag: gpu.flag(&PROBE), seed, first, ..ProbeParams::default() };
+    let buffers = [scene.nodes.buffer(), scene.tris.buffer(), suspects.buffer(), points.buffer(), gpu.status()];
+    gpu.run(&PROBE, &params, &buffers, count as usize, HEAVY)?;
     Ok(points)
 }

@@ -35,6 +35,8 @@ pub struct GpuBatch {
     features: GpuVec<Feature>,
     winners: GpuVec<u32>,
     irradiance: GpuVec<[f32; 4]>,
+    /// All points, those of a tile together; found when first needed.
+    order: Option<GpuVec<u32>>,
 }
 
 impl<'a> GpuEngine<'a> {
@@ -61,7 +63,22 @@ impl<'a> GpuEngine<'a> {
             features: gpu.alloc("features", 0)?,
             winners: gpu.alloc("winners", 0)?,
             irradiance: gpu.alloc("irradiance", 0)?,
+            order: None,
         })
+    }
+
+    /// All points of a batch, those of a tile together: neighbouring invocations then walk the same part
+    /// of the hierarchy. Results do not depend on it.
+    fn order(&self, batch: &mut GpuBatch) -> Result<GpuVec<u32>> {
+        if let Some(order) = &batch.order {
+            return Ok(order.clone());
+        }
+        let points = self.gpu.read(&batch.points)?;
+        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        order.sort_by_key(|&i| points[i as usize].tile);
+        let order = self.gpu.upload("order", &order)?;
+        batch.order = Some(order.clone());
+        Ok(order)
     }
 
     /// Reads back what kernels have finished.
@@ -103,15 +120,10 @@ impl Engine for GpuEngine<'_> {
         if batch.direct.len() < batch.points.len() {
             batch.direct = self.gpu.alloc("direct", batch.points.len())?;
         }
-        let all: Vec<u32>;
         let active = match active {
-            Some(active) => active,
-            None => {
-                all = (0..batch.points.len() as u32).collect();
-                &all
-            }
+            Some(active) => self.gpu.upload("active", active)?,
+            None => self.order(batch)?,
         };
-        let active = self.gpu.upload("active", active)?;
         super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
     }
 
@@ -130,7 +142,8 @@ impl Engine for GpuEngine<'_> {
     }
 
     fn assign(&mut self, batch: &mut GpuBatch) -> Result<()> {
-        batch.psi = super::assign::assign(self.gpu, &self.scene, &self.surface, &batch.points)?;
+        let order = self.order(batch)?;
+        batch.psi = super::assign::assign(self.gpu, &self.scene, &self.surface, &batch.points, &order)?;
         Ok(())
     }
 
@@ -196,6 +209,10 @@ impl Engine for GpuEngine<'_> {
         let sums = super::coefficients::coefficients(self.gpu, &self.scene, &self.surface, &batches, normalise, rays, cells)?;
         self.gpu.check_finished()?;
         Ok(sums)
+    }
+
+    fn deposit(&mut self, _b: &[Self::Batch], _l: bool, _n: f32) -> Result<Vec<crate::layout::NodeSource>> {
+        todo!()
     }
 
     fn set_system(&mut self, system: &System) -> Result<()> {

@@ -92,10 +92,10 @@ impl SceneBuffers {
 pub struct SurfaceBuffers {
     /// Nodes.
     pub nodes: GpuVec<Node>,
-    /// Start of each tile's candidates.
-    pub offsets: GpuVec<u32>,
-    /// Candidates of all tiles.
-    pub candidates: GpuVec<Candidate>,
+    /// The candidates: the start of each tile's list, one more than there are tiles, then all lists by words.
+    pub lists: GpuVec<u32>,
+    /// Where the lists begin.
+    pub first_list: u32,
     /// 1/L, per local length.
     pub inv_unit: f32,
     /// Weight of normals.
@@ -105,10 +105,12 @@ pub struct SurfaceBuffers {
 impl SurfaceBuffers {
     /// Uploads a surface network.
     pub fn new(gpu: &Gpu, surface: &Surface) -> Result<SurfaceBuffers> {
+        let mut lists = surface.offsets.clone();
+        lists.extend_from_slice(bytemuck::cast_slice::<Candidate, u32>(&surface.candidates));
         Ok(SurfaceBuffers {
             nodes: gpu.upload("surface nodes", &surface.nodes)?,
-            offsets: gpu.upload("candidate offsets", &surface.offsets)?,
-            candidates: gpu.upload("candidates", &surface.candidates)?,
+            lists: gpu.upload("candidates", &lists)?,
+            first_list: surface.offsets.len() as u32,
             inv_unit: surface.inv_unit,
             lambda: surface.lambda,
         })

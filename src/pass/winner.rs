@@ -7,7 +7,7 @@ use crate::twin::winner::Feature;
 use std::ops::Range;
 
 /// Features an invocation serves.
-const QUERIES: usize = 4;
+const QUERIES: usize = 8;
 /// Most cells in a dispatch: the loop budget.
 const CELLS: usize = 16_384;
 /// Distances in a dispatch, about: what keeps it short.

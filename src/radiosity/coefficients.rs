@@ -1,6 +1,6 @@
 //! Reads cells as coefficients (design §1, step 5; evidence: local linear nodes).
 
-use crate::layout::{Link, Node, Plane, Slot};
+use crate::layout::{Link, Node, NodeLight, NodeSource, Plane, Slot};
 use crate::twin::coefficients::Sums;
 use crate::twin::fixed::UNIT;
 use crate::twin::jacobi::System;
@@ -13,7 +13,7 @@ const LEAST_SAMPLES: f64 = 6.0;
 pub struct Coefficients {
     /// The system.
     pub system: System,
-    /// Mass m_j of each node, as a share of all rays' weight.
+    /// Mass m_j of each node, as a share of all rays' weight; slots beyond the cap count.
     pub mass: Vec<f64>,
     /// Gather and deposit slots kept.
     pub stored: u64,
@@ -112,7 +112,8 @@ pub fn build(sums: &Sums, nodes: &mut [Node], ridge: f64, cap: usize, rays: f64)
     out.system.node_offsets.push(0);
     for (j, row) in deposits.iter().enumerate() {
         let m = kept_mass[j] + (sums.nodes[j].mass.value(UNIT) - row_mass[j]).max(0.0);
-        out.mass.push(m);
+        out.mass.push(sums.nodes[j].mass.value(UNIT));
+        out.system.node_source.push(NodeLight::default());
         for &(c, v, f, g) in row {
             out.system.node_links.push(Link { other: c, value: (v / m) as f32, first: (f / m) as f32, second: (g / m) as f32 });
         }
@@ -121,4 +122,34 @@ pub fn build(sums: &Sums, nodes: &mut [Node], ridge: f64, cap: usize, rays: f64)
     out.stored = (out.system.cell_links.len() + out.system.node_links.len()) as u64;
     out.dropped = if all > 0.0 { dropped / all } else { 0.0 };
     out
+}
+
+/// What is known to arrive, as the start of each node's row: h the value, g0 and g1 the moments about the node's mean.
+pub fn known(sums: &[NodeSource], nodes: &[Node], mass: &[f64]) -> Vec<NodeLight> {
+    let row = |((s, node), &m): ((&NodeSource, &Node), &f64)| {
+        let mut light = NodeLight::default();
+        for k in 0..3 {
+            if m > 0.0 {
+                let h = s.value[k].value(UNIT) / m;
+                light.h[k] = h as f32;
+                light.g0[k] = (s.first[k].value(UNIT) / m - h * node.mean[0] as f64) as f32;
+                light.g1[k] = (s.second[k].value(UNIT) / m - h * node.mean[1] as f64) as f32;
+            }
+        }
+        light
+    };
+    sums.iter().zip(nodes).zip(mass).map(row).collect()
+}
+
+/// Turns rows as of [`known`] into light: each node's value, and its gradient from the moments.
+pub fn fit(rows: &[NodeLight], planes: &[Plane]) -> Vec<NodeLight> {
+    rows.iter()
+        .zip(planes)
+        .map(|(r, p)| NodeLight {
+            h: r.h,
+            g0: [0, 1, 2].map(|k| r.g0[k] * p.i11 + r.g1[k] * p.i12),
+            g1: [0, 1, 2].map(|k| r.g0[k] * p.i12 + r.g1[k] * p.i22),
+            ..NodeLight::default()
+        })
+        .collect()
 }

@@ -33,7 +33,7 @@ fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
     (change, size)
 }
 
-/// Solves the system set on the engine, from zero, until the distance from the fixed point is below
+/// Solves the system set on the engine, from `start`, until the distance from the fixed point is below
 /// `tolerance` times the largest irradiance. "Small steps" alone are false convergence (hard case
 /// E02): the step is divided by 1 - the measured factor.
 ///
@@ -41,13 +41,13 @@ fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
 pub fn solve<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
-    nodes: usize,
+    start: Vec<NodeLight>,
     tolerance: f64,
     max_sweeps: u32,
     progress: &mut Progress,
     names: &[String],
 ) -> Result<(Vec<NodeLight>, Solved)> {
-    let mut light = vec![NodeLight::default(); nodes];
+    let mut light = start;
     let mut solved = Solved::default();
     let mut last_change = f64::NAN;
     let mut grew = 0;

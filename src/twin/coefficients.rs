@@ -22,7 +22,7 @@ pub struct Sums {
 }
 
 /// Offsets of a point from a node along the node's tangents.
-fn offsets(node: &Node, p: Vec3) -> (f32, f32) {
+pub fn offsets(node: &Node, p: Vec3) -> (f32, f32) {
     let (t1, t2) = tangents(Vec3::from(node.n));
     let d = p - Vec3::from(node.p);
     (d.dot(t1), d.dot(t2))

@@ -8,7 +8,7 @@ use super::jacobi::System;
 use super::winner::{Feature, Metric};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{CellSums, DirectSum, NodeLight, Point, Psi, Tile};
+use crate::layout::{CellSums, DirectSum, NodeLight, NodeSource, Point, Psi, Tile};
 use crate::scene::Geometry;
 use std::ops::Range;
 
@@ -160,6 +160,16 @@ impl Engine for TwinEngine<'_> {
                 rays,
                 cells,
             ));
+        }
+        Ok(sums)
+    }
+
+    fn deposit(&mut self, batches: &[TwinBatch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
+        let mut sums = Vec::new();
+        for b in batches {
+            let light = if lit { b.irradiance.as_slice() } else { &[] };
+            let more = super::deposit::deposit(self.geometry, &self.surface, &b.points, &b.psi, &b.direct, light, normalise);
+            super::deposit::merge(&mut sums, more);
         }
         Ok(sums)
     }

@@ -22,6 +22,20 @@ pub struct System {
     pub node_links: Vec<Link>,
     /// Gradient fit of each node.
     pub planes: Vec<Plane>,
+    /// What arrives at each node before any cell: h the value, g0 and g1 the moments (not yet a gradient).
+    pub node_source: Vec<NodeLight>,
+}
+
+impl System {
+    /// The same transfer with no source, whose sweep returns moments instead of gradients.
+    pub fn without_source(&self) -> System {
+        System {
+            source: vec![[0.0; 4]; self.source.len()],
+            node_source: vec![NodeLight::default(); self.node_source.len()],
+            planes: self.planes.iter().map(|p| Plane { i11: 1.0, i12: 0.0, i22: 1.0, ..*p }).collect(),
+            ..self.clone()
+        }
+    }
 }
 
 /// beta of every cell.
@@ -45,7 +59,8 @@ pub fn update(system: &System, beta: &[[f32; 4]]) -> Vec<NodeLight> {
     (0..system.planes.len())
         .into_par_iter()
         .map(|j| {
-            let (mut h, mut m1, mut m2) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+            let s = &system.node_source[j];
+            let (mut h, mut m1, mut m2) = (Vec3::from(s.h), Vec3::from(s.g0), Vec3::from(s.g1));
             for l in &system.node_links[system.node_offsets[j] as usize..system.node_offsets[j + 1] as usize] {
                 let b = Vec3::from_slice(&beta[l.other as usize][..3]);
                 h += b * l.value;
