@@ -81,6 +81,7 @@ impl Solution {
                 Section::new("node_offsets", &self.system.node_offsets),
                 Section::new("node_links", &self.system.node_links),
                 Section::new("planes", &self.system.planes),
+                Section::new("node_source", &self.system.node_source),
             ],
         )
     }
@@ -134,6 +135,7 @@ impl Solution {
             node_offsets: file.get("node_offsets")?,
             node_links: file.get("node_links")?,
             planes: file.get("planes")?,
+            node_source: file.get("node_source")?,
         };
         check(&geometry, &nodes, &light, &cells, &system).map_err(|what| fail(what.into()))?;
         let mut surface =
@@ -157,15 +159,16 @@ fn check(
 ) -> std::result::Result<(), &'static str> {
     let finite = |numbers: &[f32]| numbers.iter().all(|x| x.is_finite());
     let materials = geometry.materials.len() as u32;
-    if light.len() != nodes.len() || system.planes.len() != nodes.len() || cells.len() > system.source.len() {
-        return Err("sections 'nodes', 'light', 'planes', 'cells' and 'source' do not belong together");
+    let per_node = [light.len(), system.planes.len(), system.node_source.len()];
+    if per_node != [nodes.len(); 3] || cells.len() > system.source.len() {
+        return Err("sections 'nodes', 'light', 'planes', 'node_source', 'cells' and 'source' do not belong together");
     }
     let node = |n: &Node| n.material < materials && n.plane < geometry.pieces && finite(&n.p) && finite(&n.n) && finite(&n.mean);
     if !nodes.iter().all(node) {
         return Err("section 'nodes' holds a node that cannot be");
     }
-    if !light.iter().all(|l| finite(&l.h) && finite(&l.g0) && finite(&l.g1)) {
-        return Err("section 'light' holds a number that is not finite");
+    if !light.iter().chain(&system.node_source).all(|l| finite(&l.h) && finite(&l.g0) && finite(&l.g1)) {
+        return Err("section 'light' or 'node_source' holds a number that is not finite");
     }
     if !finite(cells.as_flattened()) || !finite(system.source.as_flattened()) {
         return Err("section 'cells' or 'source' holds a number that is not finite");
@@ -263,6 +266,8 @@ mod tests {
         refuses("offsets", &|s| s.system.node_offsets[1] = u32::MAX);
         refuses("no offsets", &|s| s.system.cell_offsets.clear());
         refuses("plane", &|s| s.system.planes[0].material = 9999);
+        refuses("node source", &|s| s.system.node_source[0].h[0] = f32::NAN);
+        refuses("number of node sources", &|s| s.system.node_source.truncate(5));
         refuses("number of planes", &|s| s.system.planes.truncate(5));
         // A container with something else in it.
         rcell::write(&path, &serde_json::json!({"content": "texture"}), &[]).unwrap();
