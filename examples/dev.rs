@@ -38,7 +38,12 @@ fn main() {
                 n: [r[col("nx")], r[col("ny")], r[col("nz")]],
             })
             .collect();
-        let backend = Backend::Cpu;
+        let backend = if std::env::var("GPU").is_ok() {
+            let o = raycell::gpu::device::open(raycell::gpu::device::BackendChoice::Auto, None).unwrap();
+            Backend::Gpu(std::sync::Arc::new(raycell::gpu::Gpu::new(&o.device, &o.queue).unwrap()))
+        } else {
+            Backend::Cpu
+        };
         let sol = bake(&backend, &scene, &params, &mut |_| progress::Flow::Continue).unwrap();
         let t1 = t0.elapsed().as_secs_f64();
         let ans = sol.query(&backend, &pts).unwrap();

@@ -546,6 +546,9 @@ fn jacobi_equals_its_twin() {
             source: (0..cells).map(|c| [number(c), number(c + 5), 0.0, 0.0]).collect(),
             node_offsets,
             node_links,
+            node_source: (0..nodes)
+                .map(|j| NodeLight { h: [number(j + 3); 3], g0: [number(j); 3], ..NodeLight::default() })
+                .collect(),
             planes: (0..nodes).map(|j| Plane { i11: 0.5, i12: -0.1, i22: 0.7, material: j as u32 % 4 }).collect(),
         };
         let light: Vec<NodeLight> = (0..nodes).map(|j| NodeLight { h: [number(j); 3], ..NodeLight::default() }).collect();
@@ -558,6 +561,44 @@ fn jacobi_equals_its_twin() {
         gpu.check_finished().unwrap();
         let same = |a: &NodeLight, b: &NodeLight| same3(&a.h, &b.h) && same3(&a.g0, &b.g0) && same3(&a.g1, &b.g1);
         assert_eq!(share(&want, &got, same), 0.0, "{cells} {nodes}");
+    }
+}
+
+#[test]
+fn deposit_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    let base = case(10_007);
+    let scene = SceneBuffers::new(&gpu, &base.geometry).unwrap();
+    let surface = SurfaceBuffers::new(&gpu, &base.surface).unwrap();
+    for n in FEW.into_iter().map(|n| 2 * n).chain([MANY]) {
+        // Many rays repeat a few; the sums are integers, so their order does not show.
+        let points: Vec<Point> = base.points.iter().cycle().take(n).copied().collect();
+        let psi: Vec<Psi> = base.psi.iter().cycle().take(n).copied().collect();
+        let direct: Vec<DirectSum> = (0..n)
+            .map(|i| DirectSum { sum: [0.5, 0.25, (i % 5) as f32 * 0.1], rounds: 1 + i as u32 % 3, ..DirectSum::default() })
+            .collect();
+        let light: Vec<[f32; 4]> = (0..n).map(|i| [0.1, 0.2, (i % 7) as f32 * 0.1, 0.0]).collect();
+        let normalise = (0.3 / base.geometry.area / (n.max(1) as f64 / 10_007.0)) as f32;
+        let device =
+            (gpu.upload("points", &points).unwrap(), gpu.upload("psi", &psi).unwrap(), gpu.upload("direct", &direct).unwrap());
+        let device_light = gpu.upload("light", &light).unwrap();
+        for lit in [false, true] {
+            let known = if lit { light.as_slice() } else { &[] };
+            let want = twin::deposit::deposit(&base.geometry, &base.surface, &points, &psi, &direct, known, normalise);
+            let sums = gpu.alloc("sums", base.surface.nodes.len()).unwrap();
+            let light = lit.then_some(&device_light);
+            pass::deposit::deposit(&gpu, &scene, &surface, &device.0, &device.1, &device.2, light, normalise, &sums).unwrap();
+            let got = gpu.read(&sums).unwrap();
+            assert!(n < 2 || want.iter().any(|s| s.value[0].units() != 0), "something arrives");
+            // Integer sums of the same floats; a contracted product may differ in its last bit.
+            let near = |a: Fixed, b: Fixed| (a.units() - b.units()).abs() <= (a.units().abs() >> 16) + (1 << 34);
+            for (a, b) in want.iter().zip(&got) {
+                for k in 0..3 {
+                    assert!(near(a.value[k], b.value[k]), "{n} {lit}: {a:?} {b:?}");
+                    assert!(near(a.first[k], b.first[k]) && near(a.second[k], b.second[k]), "{n} {lit}: {a:?} {b:?}");
+                }
+            }
+        }
     }
 }
 

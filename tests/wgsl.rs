@@ -105,6 +105,7 @@ fn records_match() {
         ("Slot", layout!(layout::Slot { key, pad0, value, first, second })),
         ("CellFlux", layout!(layout::CellFlux { flux, source })),
         ("NodeSums", layout!(layout::NodeSums { mass, first, second, square, pad0 })),
+        ("NodeSource", layout!(layout::NodeSource { value, first, second })),
         ("Link", layout!(layout::Link { other, value, first, second })),
         ("Plane", layout!(layout::Plane { i11, i12, i22, material })),
     ];
@@ -165,6 +166,7 @@ fn parameters_match() {
                 pad2
             }),
         ),
+        ("deposit", layout!(pass::deposit::Params { base, count, lit, normalise })),
         ("flux", layout!(pass::coefficients::FluxParams { base, count, exact, normalise })),
         ("beta", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
         ("update", layout!(pass::jacobi::Params { base, count, flag, pad0 })),

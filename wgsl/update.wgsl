@@ -13,9 +13,10 @@ struct Params {
 @group(0) @binding(1) var<storage, read> offsets: array<u32>;
 @group(0) @binding(2) var<storage, read> links: array<Link>;
 @group(0) @binding(3) var<storage, read> planes: array<Plane>;
-@group(0) @binding(4) var<storage, read> beta: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read_write> light: array<NodeLight>;
-@group(0) @binding(6) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read> known: array<NodeLight>; // where each row starts
+@group(0) @binding(5) var<storage, read> beta: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read_write> light: array<NodeLight>;
+@group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
 
 var<private> h: vec3<f32>;
 var<private> m1: vec3<f32>;
@@ -36,6 +37,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let j = params.base + gid.x;
     // A row may be as long as there are cells: four links a trip keep within the loop budget.
+    h = known[j].h;
+    m1 = known[j].g0;
+    m2 = known[j].g1;
     let end = offsets[j + 1u];
     var i = offsets[j];
     while i + 4u <= end {

@@ -6,7 +6,7 @@ use super::{SceneBuffers, SurfaceBuffers};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::gpu::{Gpu, GpuVec};
-use crate::layout::{CellSums, DirectSum, NONE, NodeLight, Point, Psi, Tile};
+use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi, Tile};
 use crate::scene::Geometry;
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
@@ -211,8 +211,13 @@ impl Engine for GpuEngine<'_> {
         Ok(sums)
     }
 
-    fn deposit(&mut self, _b: &[Self::Batch], _l: bool, _n: f32) -> Result<Vec<crate::layout::NodeSource>> {
-        todo!()
+    fn deposit(&mut self, batches: &[GpuBatch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
+        let sums = self.gpu.alloc("known light", self.surface.nodes.len())?;
+        for b in batches {
+            let light = lit.then_some(&b.irradiance);
+            super::deposit::deposit(self.gpu, &self.scene, &self.surface, &b.points, &b.psi, &b.direct, light, normalise, &sums)?;
+        }
+        self.fetch(&sums)
     }
 
     fn set_system(&mut self, system: &System) -> Result<()> {

@@ -25,8 +25,10 @@ const BETA: Kernel = Kernel {
     name: "beta",
     buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 };
-const UPDATE: Kernel =
-    Kernel { name: "update", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+const UPDATE: Kernel = Kernel {
+    name: "update",
+    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+};
 
 /// A linear system on the device.
 #[derive(Clone, Debug)]
@@ -37,6 +39,7 @@ pub struct SystemBuffers {
     node_offsets: GpuVec<u32>,
     node_links: GpuVec<Link>,
     planes: GpuVec<Plane>,
+    known: GpuVec<NodeLight>,
     beta: GpuVec<[f32; 4]>,
 }
 
@@ -50,6 +53,7 @@ impl SystemBuffers {
             node_offsets: gpu.upload("node offsets", &system.node_offsets)?,
             node_links: gpu.upload("node links", &system.node_links)?,
             planes: gpu.upload("planes", &system.planes)?,
+            known: gpu.upload("known light", &system.node_source)?,
             beta: gpu.alloc("beta", system.source.len())?,
         })
     }
@@ -71,6 +75,7 @@ pub fn jacobi(gpu: &Gpu, scene: &SceneBuffers, system: &SystemBuffers, light: &G
         system.node_offsets.buffer(),
         system.node_links.buffer(),
         system.planes.buffer(),
+        system.known.buffer(),
         system.beta.buffer(),
         light.buffer(),
         gpu.status(),

@@ -7,6 +7,7 @@ pub mod accumulate;
 pub mod adapt;
 pub mod assign;
 pub mod coefficients;
+pub mod deposit;
 pub mod direct;
 pub mod emit;
 pub mod engine;

@@ -122,6 +122,12 @@ struct NodeSums {
     pad0: Fixed,
 }
 
+struct NodeSource {
+    value: array<Fixed, 3>,
+    first: array<Fixed, 3>,
+    second: array<Fixed, 3>,
+}
+
 struct Link {
     other: u32,
     value: f32,

@@ -1,0 +1,70 @@
+// Pass deposit: what rays bring to the nodes from emitter ends whose light is known. Twin: src/twin/deposit.rs.
+#import layout
+#import math
+#import fixed
+
+struct Params {
+    base: u32,
+    count: u32,
+    lit: u32, // 1: H is known at every point
+    normalise: f32, // what weights are multiplied by
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> points: array<Point>;
+@group(0) @binding(2) var<storage, read> psi: array<Psi>;
+@group(0) @binding(3) var<storage, read> nodes: array<Node>;
+@group(0) @binding(4) var<storage, read> tris: array<Tri>;
+@group(0) @binding(5) var<storage, read> materials: array<Material>;
+@group(0) @binding(6) var<storage, read> direct: array<DirectSum>;
+@group(0) @binding(7) var<storage, read> light: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>; // NodeSource, by words
+
+const WORDS = 18u; // of NodeSource
+
+fn add(word: u32, value: f32) {
+    let v = encode(value, POWER);
+    let old = atomicAdd(&sums[word], v.x);
+    let hi = v.y + carry(old, v.x);
+    if hi != 0u {
+        atomicAdd(&sums[word + 1u], hi);
+    }
+}
+
+fn add3(word: u32, value: vec3<f32>) {
+    add(word, value.x);
+    add(word + 2u, value.y);
+    add(word + 4u, value.z);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
+    if gid.x >= params.count {
+        return;
+    }
+    let d = params.base + gid.x;
+    let y = points[d];
+    if y.kind != FRONT {
+        return;
+    }
+    let x = d ^ 1u;
+    var h = vec3<f32>(0.0);
+    if params.lit == 1u {
+        h = light[x].xyz;
+    }
+    let sent = materials[tris[points[x].tri].material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+    for (var k = 0u; k < 4u; k++) {
+        let weight = psi[d].weight[k];
+        if weight > 0.0 {
+            let node = psi[d].node[k];
+            let t = tangents(nodes[node].n);
+            let e = y.p - nodes[node].p;
+            let v = (y.weight * params.normalise) * weight;
+            let s = v * sent;
+            let at = WORDS * node;
+            add3(at, s);
+            add3(at + 6u, s * dot3(e, t.t1));
+            add3(at + 12u, s * dot3(e, t.t2));
+        }
+    }
+}
