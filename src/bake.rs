@@ -437,7 +437,7 @@ fn network<E: Engine>(
     progress.event(Event::Stage { name: "coefficients" })?;
     // All rays together weigh 2 A / (1 - alpha) at most.
     let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
-    let mut built = clock.time(engine, "coefficients", |engine| {
+    let built = clock.time(engine, "coefficients", |engine| {
         let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count)?;
         let mut built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, stage.rays as f64);
         engine.set_surface(&surface)?;
