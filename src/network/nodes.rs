@@ -127,7 +127,8 @@ pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32) -> Re
 }
 
 /// Places about `count` nodes with density `density` (per area, a number each tile), then more where
-/// points find no compatible node. The surface is left set on the engine.
+/// points find no compatible node. `mark`: also find which nodes need no visibility ray
+/// ([`mark_free`]). The surface is left set on the engine.
 pub fn place_nodes<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
@@ -135,6 +136,7 @@ pub fn place_nodes<E: Engine>(
     count: usize,
     lambda: f32,
     seed: u32,
+    mark: bool,
 ) -> Result<Surface> {
     // Only what reflects needs nodes; emitters that do not are read as B = E.
     let weight: Vec<f64> = (0..geometry.tiles as usize)
@@ -173,6 +175,10 @@ pub fn place_nodes<E: Engine>(
         find_candidates(geometry, &mut surface);
         engine.set_surface(&surface)?;
     }
+    if mark {
+        mark_free(geometry, &mut surface);
+        engine.set_surface(&surface)?;
+    }
     Ok(surface)
 }
 
@@ -191,8 +197,7 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
     }
 }
 
-/// Lists for every tile the nodes that can be among the nearest of any of its points, and marks those
-/// that nothing can hide.
+/// Lists for every tile the nodes that can be among the nearest of any of its points.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
@@ -230,16 +235,7 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
             }
             near.sort_unstable_by_key(|x| x.1);
 
-            // Nothing else near: no ray need be shot. Ask for all at once before asking for each.
-            let nodes: Vec<&Node> = near.iter().map(|x| &surface.nodes[x.1 as usize]).collect();
-            let alone = is_free(geometry, &corners, n, tri.plane, &nodes);
-            near.iter()
-                .zip(&nodes)
-                .map(|(x, node)| Candidate {
-                    node: x.1,
-                    free: (alone || is_free(geometry, &corners, n, tri.plane, std::slice::from_ref(node))) as u32,
-                })
-                .collect()
+            near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
         })
         .collect();
     surface.offsets = vec![0];
@@ -247,6 +243,27 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     for row in rows {
         surface.candidates.extend(row);
         surface.offsets.push(surface.candidates.len() as u32);
+    }
+}
+
+/// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its
+/// box queries where many points are assigned; the weights are the same without.
+pub fn mark_free(geometry: &Geometry, surface: &mut Surface) {
+    let Surface { nodes, offsets, candidates, .. } = surface;
+    let free: Vec<Vec<u32>> = (0..geometry.tiles as usize)
+        .into_par_iter()
+        .map(|tile| {
+            let own: Vec<&Node> =
+                candidates[offsets[tile] as usize..offsets[tile + 1] as usize].iter().map(|c| &nodes[c.node as usize]).collect();
+            let tri = &geometry.tris[geometry.tile_tri[tile] as usize];
+            let (corners, n) = (tile_corners(geometry, tile as u32), Vec3::from(tri.normal));
+            // Ask for all at once before asking for each.
+            let alone = is_free(geometry, &corners, n, tri.plane, &own);
+            own.iter().map(|&node| (alone || is_free(geometry, &corners, n, tri.plane, &[node])) as u32).collect()
+        })
+        .collect();
+    for (candidate, free) in candidates.iter_mut().zip(free.into_iter().flatten()) {
+        candidate.free = free;
     }
 }
 
