@@ -24,7 +24,7 @@ use crate::twin::direct::Samples;
 use crate::twin::jacobi::System;
 use crate::twin::math::seed_of;
 use crate::twin::winner::{Feature, Metric};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -101,7 +101,7 @@ struct Stage<'a> {
 /// Wall time a stage, added up.
 #[derive(Default)]
 pub(crate) struct Clock {
-    pub seconds: HashMap<&'static str, f64>,
+    pub seconds: BTreeMap<&'static str, f64>,
 }
 
 impl Clock {
@@ -246,6 +246,8 @@ fn run<E: Engine>(
     let mut full = full;
     let energy = clock.time(engine, "energy", |engine| account(engine, geometry, params, &mut full))?;
 
+    // Training is everything up to the winners; its parts are told beside it.
+    let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let mut report = Report {
         raycell: env!("CARGO_PKG_VERSION").into(),
         scene: SceneReport { path: scene.name.clone(), triangles: geometry.tris.len() as u64, dropped: geometry.dropped as u64 },
@@ -257,7 +259,7 @@ fn run<E: Engine>(
         rays: params.rays as u64,
         seconds: Seconds {
             compile: Some(engine.compile_seconds()),
-            train: clock.get("train"),
+            train: Some(train),
             coefficients: clock.get("coefficients"),
             solve: clock.get("solve"),
             direct: clock.get("direct"),
@@ -274,16 +276,15 @@ fn run<E: Engine>(
         ..Report::default()
     };
     report.memory_bytes.device = Some(engine.device_bytes());
-    let train = clock.get("train").unwrap_or(0.0).max(1e-9);
     for (key, value) in [
-        ("rays_per_second", serde_json::json!(params.rays as f64 / train)),
+        ("rays_per_second", serde_json::json!(params.rays as f64 / train.max(1e-9))),
         ("epochs", serde_json::json!(full.training.epochs)),
         ("cells_deleted", serde_json::json!(full.training.deleted)),
         ("contraction", serde_json::json!(full.solved.contraction)),
         ("dropped_coefficient_mass", serde_json::json!(full.coefficients.dropped)),
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
-        ("seconds_energy", serde_json::json!(clock.get("energy"))),
+        ("stages", serde_json::json!(clock.seconds)),
     ] {
         report.extra.insert(key.into(), value);
     }
@@ -389,7 +390,7 @@ fn network<E: Engine>(
     let mut batches = Vec::new();
     for first in (0..stage.rays).step_by(BATCH as usize) {
         let count = BATCH.min(stage.rays - first);
-        let mut batch = clock.time(engine, "train", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
+        let mut batch = clock.time(engine, "emit", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
         if exact {
             let samples = Samples { emitter: params.end_samples, cosine: 1 };
             clock.time(engine, "direct", |engine| engine.direct(&mut batch, None, seed_of(end_seed, first), 0, 1, samples))?;
@@ -436,7 +437,7 @@ fn network<E: Engine>(
     progress.event(Event::Stage { name: "coefficients" })?;
     // All rays together weigh 2 A / (1 - alpha) at most.
     let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
-    let mut built = clock.time(engine, "coefficients", |engine| {
+    let built = clock.time(engine, "coefficients", |engine| {
         let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count)?;
         let mut built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, stage.rays as f64);
         engine.set_surface(&surface)?;

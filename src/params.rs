@@ -49,9 +49,10 @@ pub struct Params {
     pub direct_tolerance: f64,
     /// Most direct samples at a shown point, 16 to 65,536; default 8,192.
     pub direct_samples: u32,
-    /// Rays of a final gather, 0 (never gather) to 65,536; default 512.
+    /// Rays of a final gather, 0 (never gather) to 65,536; default 1,024.
     pub gather_rays: u32,
-    /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 0.6.
+    /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 2.
+    /// Contacts and slots need 0.6; more buys accuracy everywhere for time at each shown point.
     pub gather_threshold: f64,
     /// Times the rays themselves carry the solution once more, 0 to 16; default 2. Takes the cells' error out
     /// of the result (`--direct exact` only), for a pass over the rays.
@@ -79,8 +80,8 @@ impl Default for Params {
             end_samples: 2,
             direct_tolerance: 0.004,
             direct_samples: 8_192,
-            gather_rays: 512,
-            gather_threshold: 0.6,
+            gather_rays: 1_024,
+            gather_threshold: 2.0,
             refinements: 2,
             tolerance: 1e-5,
             max_sweeps: 20_000,

@@ -1,5 +1,5 @@
 //! The read-out: radiosity at any surface points from a solved network (design §1, step 8). Like
-//! [`crate::bake`], this file knows an order of passes, and nothing of how they run.
+//! [`mod@crate::bake`], this file knows an order of passes, and nothing of how they run.
 
 use crate::bake::{Stream, stream};
 use crate::engine::Engine;
@@ -18,7 +18,7 @@ const HITS: usize = 262_144;
 /// Samples of a round of direct light at a shown point.
 const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
 /// Rounds before the error of direct light is looked at.
-const FIRST_ROUNDS: u32 = 4;
+const FIRST_ROUNDS: u32 = 8;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
 /// Rays that tell how near a point's surroundings are, and whether it is covered.
@@ -147,7 +147,7 @@ fn sample_direct<E: Engine>(
 ) -> Result<Vec<DirectSum>> {
     let most = (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2);
     let mut done = 0;
-    let mut rounds = FIRST_ROUNDS.min(most);
+    let mut rounds = FIRST_ROUNDS.min((most / 8).max(2));
     let mut active = all.to_vec();
     loop {
         engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;

@@ -2,7 +2,6 @@
 
 mod flags;
 mod log;
-mod pending;
 mod run;
 
 use crate::error::Error;

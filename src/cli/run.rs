@@ -2,8 +2,6 @@
 
 use super::flags::{self, Command};
 use super::log::Log;
-#[allow(unused_imports)]
-use super::pending::Pending;
 use crate::bake::{Backend, bake};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, device, device::BackendChoice};
@@ -50,8 +48,10 @@ fn bake_scene(flags: flags::Bake) -> Result<()> {
     let answers =
         points_in.as_ref().map(|p| solution.query_with(backend, p, &mut |event| heed(&mut log, &stop, event))).transpose();
     let answers = machine.judge("the points", answers)?;
-    let picture = machine.judge("the picture", camera.map(|c| solution.render(backend, &c)).transpose())?;
-    let mesh = machine.judge("the vertices", flags.vertices.then(|| solution.vertices(backend)).transpose())?;
+    let picture = camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let picture = machine.judge("the picture", picture)?;
+    let mesh = flags.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let mesh = machine.judge("the vertices", mesh)?;
     log.finish();
     let readout = begin_readout.elapsed();
 
@@ -109,6 +109,7 @@ fn render(flags: flags::Render) -> Result<()> {
         range: "give --eye and --target, or --camera FILE",
     })?;
     let mut log = Log::new(flags.device.quiet);
+    let stop = interrupt();
     let is_solution = flags.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("rcell"));
     let (machine, solution) = if is_solution {
         let n = &flags.network;
@@ -121,13 +122,13 @@ fn render(flags: flags::Render) -> Result<()> {
         let params = params(&flags.network)?;
         let scene = Scene::load(&flags.input)?;
         let machine = Machine::open(&flags.device, &log)?;
-        let stop = interrupt();
         let baked = bake(&machine.backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
         let solution = machine.judge("the bake", baked)?;
         (machine, solution)
     };
     log.event(&Event::Stage { name: "readout" });
-    let picture = machine.judge("the picture", solution.render(&machine.backend, &camera))?;
+    let picture = solution.render_with(&machine.backend, &camera, &mut |event| heed(&mut log, &stop, event));
+    let picture = machine.judge("the picture", picture)?;
     log.finish();
     let tone = image::write(&flags.output, &picture, flags.camera.exposure)?;
     let note = tone.map_or(" (linear radiance)".into(), |t| format!(" ({t})"));
@@ -279,23 +280,7 @@ fn camera(flags: &flags::Camera) -> Result<Option<Camera>> {
         width: flags.width.or(file.width).unwrap_or(512),
         height: flags.height.or(file.height).unwrap_or(512),
     };
-    let [eye, target, up] = [camera.eye, camera.target, camera.up].map(glam::DVec3::from_array);
-    let forward = target - eye;
-    if !(forward.is_finite() && up.is_finite() && forward.cross(up).length() > 1e-9 * forward.length() * up.length()) {
-        return refuse(
-            "camera",
-            format!("{:?} to {:?}", camera.eye, camera.target),
-            "eye and target must differ, and up point across",
-        );
-    }
-    if !(camera.vfov_degrees > 0.0 && camera.vfov_degrees < 180.0) {
-        return refuse("vfov", camera.vfov_degrees.to_string(), "give more than 0 and less than 180 degrees");
-    }
-    for (name, pixels) in [("width", camera.width), ("height", camera.height)] {
-        if !(1..=16_384).contains(&pixels) {
-            return refuse(name, pixels.to_string(), "give 1 to 16384 pixels");
-        }
-    }
+    camera.check()?;
     match flags.exposure {
         Some(x) if !(x > 0.0 && x.is_finite()) => refuse("exposure", x.to_string(), "give a positive number"),
         _ => Ok(Some(camera)),

@@ -5,6 +5,9 @@ use crate::error::{Error, Result};
 use bytemuck::Pod;
 use std::sync::mpsc;
 
+/// How long a callback may take once the work is done.
+const CALLBACK: std::time::Duration = std::time::Duration::from_secs(10);
+
 impl Gpu {
     /// Waits until all submitted work is done.
     pub fn wait(&self) -> Result<()> {
@@ -51,7 +54,8 @@ impl Gpu {
             })
         })?;
         self.wait()?;
-        match receive.try_recv() {
+        // Where several threads share the device, another's wait may be the one that is calling back.
+        match receive.recv_timeout(CALLBACK) {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(fail(e.to_string())),
             Err(_) => return Err(fail("the device was lost".into())),

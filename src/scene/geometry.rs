@@ -101,7 +101,7 @@ impl Geometry {
         let local = |v: u32| [0, 1, 2].map(|k| ((scene.vertices[v as usize][k] - center[k]) * scale) as f32);
 
         // Keep triangles that have an area after the cast, each once.
-        let mut kept: Vec<(u32, [[f32; 3]; 3], [f64; 3], f64)> = Vec::new();
+        let mut kept: Vec<Kept> = Vec::new();
         let (mut degenerate, mut duplicate) = (0u32, 0u32);
         let mut seen = std::collections::HashSet::new();
         for (i, face) in scene.faces.iter().enumerate() {
@@ -129,7 +129,7 @@ impl Geometry {
                 duplicate += 1;
                 continue;
             }
-            kept.push((i as u32, corners, normal.map(|x| x / double_area), 0.5 * double_area));
+            kept.push(Kept { face: i as u32, corners, normal: normal.map(|x| x / double_area), area: 0.5 * double_area });
         }
         if degenerate > 0 {
             warnings.push(format!("{degenerate} triangle(s) without an area were dropped"));
@@ -142,7 +142,7 @@ impl Geometry {
         }
 
         // Build the hierarchy and lay triangles out in its leaf order.
-        let boxes: Vec<Bounds> = kept.iter().map(|(_, c, ..)| Bounds(*c)).collect();
+        let boxes: Vec<Bounds> = kept.iter().map(|k| Bounds(k.corners)).collect();
         let bvh =
             obvhs::bvh2::builder::build_bvh2(&boxes, obvhs::BvhBuildParams::medium_build(), &mut std::time::Duration::default());
         let nodes: Vec<BvhNode> = bvh
@@ -172,13 +172,13 @@ impl Geometry {
         // Number planar pieces, cut live area into tiles.
         let planes = planar_pieces(&kept, scene);
         let pieces = planes.iter().max().map_or(0, |&m| m + 1);
-        let material_of = |i: usize| scene.faces[kept[i].0 as usize].material;
-        let area: f64 = (0..kept.len()).filter(|&i| live(material_of(i))).map(|i| kept[i].3).sum();
-        let total: f64 = kept.iter().map(|k| k.3).sum();
+        let material_of = |i: usize| scene.faces[kept[i].face as usize].material;
+        let area: f64 = (0..kept.len()).filter(|&i| live(material_of(i))).map(|i| kept[i].area).sum();
+        let total: f64 = kept.iter().map(|k| k.area).sum();
         let tile_area = area.max(1e-3 * total) / TILES;
         let (mut tris, mut source, mut areas, mut tile_tri) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for &i in &order {
-            let (face, corners, normal, tri_area) = kept[i];
+            let Kept { face, corners, normal, area: tri_area } = kept[i];
             let material = material_of(i);
             let split = if live(material) { ((tri_area / tile_area).sqrt().ceil() as u32).clamp(1, MAX_SPLIT) } else { 1 };
             let first_tile = tile_tri.len() as u32;
@@ -254,6 +254,16 @@ impl Geometry {
     }
 }
 
+/// A triangle that has an area after the cast.
+#[derive(Clone, Copy)]
+struct Kept {
+    /// Index in [`Scene::faces`].
+    face: u32,
+    corners: [[f32; 3]; 3],
+    normal: [f64; 3],
+    area: f64,
+}
+
 struct Bounds([[f32; 3]; 3]);
 
 impl obvhs::Boundable for Bounds {
@@ -265,11 +275,11 @@ impl obvhs::Boundable for Bounds {
 
 /// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
 /// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material.
-fn planar_pieces(kept: &[(u32, [[f32; 3]; 3], [f64; 3], f64)], scene: &Scene) -> Vec<u32> {
+fn planar_pieces(kept: &[Kept], scene: &Scene) -> Vec<u32> {
     let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
     let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
-    for (i, (_, c, ..)) in kept.iter().enumerate() {
-        for v in c {
+    for (i, k) in kept.iter().enumerate() {
+        for v in &k.corners {
             at.entry(key(*v)).or_default().push(i as u32);
         }
     }
@@ -280,19 +290,19 @@ fn planar_pieces(kept: &[(u32, [[f32; 3]; 3], [f64; 3], f64)], scene: &Scene) ->
         if plane[i] != NONE {
             continue;
         }
-        let (face, corners, normal, _) = kept[i];
+        let Kept { face, corners, normal, .. } = kept[i];
         let material = scene.faces[face as usize].material;
         let origin = corners[0].map(f64::from);
         plane[i] = pieces;
         stack.push(i);
         while let Some(t) = stack.pop() {
-            for v in kept[t].1 {
+            for v in kept[t].corners {
                 for &o in &at[&key(v)] {
                     let other = &kept[o as usize];
-                    let level = other.1.iter().all(|c| dot(sub(c.map(f64::from), origin), normal).abs() < 1e-6);
+                    let level = other.corners.iter().all(|c| dot(sub(c.map(f64::from), origin), normal).abs() < 1e-6);
                     if plane[o as usize] == NONE
-                        && scene.faces[other.0 as usize].material == material
-                        && dot(other.2, normal) > 1.0 - 1e-8
+                        && scene.faces[other.face as usize].material == material
+                        && dot(other.normal, normal) > 1.0 - 1e-8
                         && level
                     {
                         plane[o as usize] = pieces;

@@ -22,6 +22,13 @@ pub struct Material {
     pub emission: [f64; 3],
 }
 
+impl Material {
+    /// A material.
+    pub fn new(name: &str, reflectance: [f64; 3], emission: [f64; 3]) -> Material {
+        Material { name: name.into(), reflectance, emission }
+    }
+}
+
 /// A triangle of a scene: vertex indices, material and object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {

@@ -42,7 +42,7 @@ pub fn is_dead(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, first: u32) ->
             return false;
         }
     }
-    4 * back >= PROBES + 1
+    4 * back > PROBES
 }
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.

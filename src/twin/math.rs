@@ -63,7 +63,7 @@ pub fn cosine_direction(n: Vec3, u: f32, v: f32) -> Vec3 {
 pub fn kernel_g(x: Vec3, nx: Vec3, y: Vec3, ny: Vec3) -> f32 {
     let d = y - x;
     let r2 = d.dot(d);
-    if !(r2 > 0.0) {
+    if r2 <= 0.0 || r2.is_nan() {
         return 0.0;
     }
     let r = r2.sqrt();

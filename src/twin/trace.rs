@@ -2,7 +2,7 @@
 //!
 //! Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. An edge's sign must
 //! come out opposite for the two triangles that share it; a compiler that fuses multiply-adds breaks
-//! that, so each edge is evaluated with its ends in a fixed order ([`edge`]). Planar pieces are
+//! that, so each edge is evaluated with its ends in a fixed order (`edge`). Planar pieces are
 //! excluded by number, never by an offset (design, 5).
 
 use crate::layout::{BvhNode, NONE, Point, Tri};

@@ -1,5 +1,11 @@
 //! A solved network: what a bake leaves, and what queries, pictures and files are made from.
 
+mod file;
+mod picture;
+mod vertices;
+
+pub use picture::{Camera, Image};
+
 use crate::bake::Backend;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
@@ -13,6 +19,7 @@ use crate::scene::{Geometry, Scene};
 use crate::shade::{Shade, shade};
 use crate::twin::TwinEngine;
 use crate::twin::assign::Surface;
+use crate::twin::jacobi::System;
 use crate::twin::trace::{barycentric, surface_point};
 use crate::twin::winner::Feature;
 use glam::Vec3;
@@ -50,34 +57,6 @@ pub struct Answer {
     pub d: [f64; 3],
 }
 
-/// A pinhole camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// Where it stands, metres.
-    pub eye: [f64; 3],
-    /// What it looks at, metres.
-    pub target: [f64; 3],
-    /// What is up.
-    pub up: [f64; 3],
-    /// Vertical field of view, degrees.
-    pub vfov_degrees: f64,
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-}
-
-/// A picture in linear radiance, W/m²/sr.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Rows from the top.
-    pub rgb: Vec<[f32; 3]>,
-}
-
 /// A solved network with its scene.
 #[derive(Clone, Debug)]
 pub struct Solution {
@@ -87,6 +66,7 @@ pub struct Solution {
     surface: Surface,
     light: Vec<NodeLight>,
     cells: Vec<Feature>,
+    system: System,
     report: Report,
 }
 
@@ -101,8 +81,7 @@ impl Solution {
         coefficients: &Coefficients,
         report: Report,
     ) -> Solution {
-        let _ = coefficients;
-        Solution { scene, geometry, params, surface, light, cells, report }
+        Solution { scene, geometry, params, surface, light, cells, system: coefficients.system.clone(), report }
     }
 
     /// What the bake did.
@@ -130,22 +109,39 @@ impl Solution {
         &self.cells
     }
 
+    /// The cells read as coefficients: what new emissions are solved with.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
     /// Node spacing, local.
     fn spacing(&self) -> f64 {
         (self.geometry.area / (1.4 * (self.params.rays as f64).sqrt())).sqrt()
     }
 
-    /// Shades points given as triangle and place; `None` is no point.
-    fn shade(&self, backend: &Backend, points: &[Point], tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Vec<Shade>> {
-        fn on<E: Engine>(s: &Solution, engine: &mut E, points: &[Point], progress: &mut Progress) -> Result<Vec<Shade>> {
+    /// Shades points given as triangle and place, as carefully as `params` say.
+    fn shade(
+        &self,
+        backend: &Backend,
+        params: &Params,
+        points: &[Point],
+        tell: &mut dyn FnMut(&Event) -> Flow,
+    ) -> Result<Vec<Shade>> {
+        fn on<E: Engine>(
+            s: &Solution,
+            engine: &mut E,
+            params: &Params,
+            points: &[Point],
+            progress: &mut Progress,
+        ) -> Result<Vec<Shade>> {
             engine.set_surface(&s.surface)?;
             engine.set_light(&s.light)?;
-            shade(engine, &s.geometry, &s.params, s.spacing(), points, progress)
+            shade(engine, &s.geometry, params, s.spacing(), points, progress)
         }
         let mut progress = Progress::new(tell);
         match backend {
-            Backend::Cpu => on(self, &mut TwinEngine::new(&self.geometry), points, &mut progress),
-            Backend::Gpu(gpu) => on(self, &mut GpuEngine::new(gpu, &self.geometry)?, points, &mut progress),
+            Backend::Cpu => on(self, &mut TwinEngine::new(&self.geometry), params, points, &mut progress),
+            Backend::Gpu(gpu) => on(self, &mut GpuEngine::new(gpu, &self.geometry)?, params, points, &mut progress),
         }
     }
 
@@ -171,7 +167,7 @@ impl Solution {
                 None => Point { tri: NONE, tile: NONE, ..Point::default() },
             })
             .collect();
-        let shades = self.shade(backend, &found, tell)?;
+        let shades = self.shade(backend, &self.params, &found, tell)?;
         found.iter().zip(shades).enumerate().map(|(i, (p, s))| self.answer(p, &s, || format!("the light at point {i}"))).collect()
     }
 

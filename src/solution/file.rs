@@ -1,0 +1,276 @@
+//! `solution.rcell`: everything a query or a new solve needs, and nothing that differs between two
+//! bakes of one seed (no timings, no adapter, no path).
+
+use super::Solution;
+use crate::error::{Error, Result};
+use crate::layout::{Link, Node, NodeLight, Plane};
+use crate::network::nodes::find_candidates;
+use crate::output::rcell::{self, Section};
+use crate::output::report::{Report, Seconds};
+use crate::params::Params;
+use crate::scene::{Face, Geometry, Material, Scene};
+use crate::twin::assign::Surface;
+use crate::twin::jacobi::System;
+use crate::twin::winner::Feature;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The caller's part of the container's header.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    content: String,
+    name: String,
+    materials: Vec<MaterialEntry>,
+    objects: Vec<String>,
+    params: Params,
+    /// How the scene was prepared: triangles, planar pieces and tiles, to tell a version that does it otherwise.
+    prepared: [u32; 3],
+    report: Report,
+}
+
+#[derive(Serialize, Deserialize)]
+struct MaterialEntry {
+    name: String,
+    reflectance: [f64; 3],
+    emission: [f64; 3],
+}
+
+/// What the header says it holds.
+const CONTENT: &str = "solution";
+
+impl Solution {
+    /// Writes the solution with its scene: whoever has the file can query it, elsewhere and later.
+    /// Same bake, same bytes. Errors: [`Error::Write`].
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let name = Path::new(&self.scene.name).file_name().map_or(self.scene.name.clone(), |n| n.to_string_lossy().into_owned());
+        let mut report = Report {
+            adapter: None,
+            seconds: Seconds::default(),
+            memory_bytes: Default::default(),
+            extra: Default::default(),
+            ..self.report.clone()
+        };
+        report.scene.path = name.clone();
+        let header = Header {
+            content: CONTENT.into(),
+            name,
+            materials: (self.scene.materials.iter())
+                .map(|m| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission })
+                .collect(),
+            objects: self.scene.objects.clone(),
+            params: self.params.clone(),
+            prepared: prepared(&self.geometry),
+            report,
+        };
+        let header =
+            serde_json::to_value(&header).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
+        let faces: Vec<[u32; 5]> =
+            (self.scene.faces.iter()).map(|f| [f.vertices[0], f.vertices[1], f.vertices[2], f.material, f.object]).collect();
+        rcell::write(
+            path,
+            &header,
+            &[
+                Section::new("vertices", &self.scene.vertices),
+                Section::new("faces", &faces),
+                Section::new("nodes", &self.surface.nodes),
+                Section::new("light", &self.light),
+                Section::new("cells", &self.cells),
+                Section::new("cell_offsets", &self.system.cell_offsets),
+                Section::new("cell_links", &self.system.cell_links),
+                Section::new("source", &self.system.source),
+                Section::new("node_offsets", &self.system.node_offsets),
+                Section::new("node_links", &self.system.node_links),
+                Section::new("planes", &self.system.planes),
+                Section::new("node_source", &self.system.node_source),
+            ],
+        )
+    }
+
+    /// Reads a solution that [`Solution::save`] has written, checking all of it.
+    ///
+    /// Errors: [`Error::Read`]; [`Error::Format`] where the file is no solution, damaged, or of another version.
+    pub fn load(path: &Path) -> Result<Solution> {
+        let file = rcell::read(path)?;
+        let fail = |what: String| Error::Format {
+            path: path.into(),
+            line: None,
+            what,
+            cure: "bake it again with this version of raycell".into(),
+        };
+        let header: Header =
+            serde_json::from_value(file.data.clone()).map_err(|e| fail(format!("the header cannot be read: {e}")))?;
+        if header.content != CONTENT {
+            return Err(fail(format!("the file holds '{}', not a solution", header.content)));
+        }
+        header.params.check().map_err(|e| fail(format!("the parameters cannot be used: {e}")))?;
+
+        // The scene, prepared as it was for the bake.
+        let faces: Vec<[u32; 5]> = file.get("faces")?;
+        let scene = Scene {
+            name: header.name,
+            vertices: file.get("vertices")?,
+            faces: faces.iter().map(|&[a, b, c, material, object]| Face { vertices: [a, b, c], material, object }).collect(),
+            materials: (header.materials.into_iter())
+                .map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission })
+                .collect(),
+            objects: header.objects,
+            warnings: Vec::new(),
+        };
+        if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {
+            return Err(fail("section 'faces' names an object that is not there".into()));
+        }
+        let geometry = Geometry::new(&scene).map_err(|e| fail(format!("the scene cannot be used: {e}")))?;
+        if prepared(&geometry) != header.prepared {
+            return Err(fail("the scene is prepared otherwise by this version".into()));
+        }
+
+        // The network.
+        let nodes: Vec<Node> = file.get("nodes")?;
+        let light: Vec<NodeLight> = file.get("light")?;
+        let cells: Vec<Feature> = file.get("cells")?;
+        let system = System {
+            cell_offsets: file.get("cell_offsets")?,
+            cell_links: file.get("cell_links")?,
+            source: file.get("source")?,
+            node_offsets: file.get("node_offsets")?,
+            node_links: file.get("node_links")?,
+            planes: file.get("planes")?,
+            node_source: file.get("node_source")?,
+        };
+        check(&geometry, &nodes, &light, &cells, &system).map_err(|what| fail(what.into()))?;
+        let mut surface =
+            Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda: header.params.lambda as f32, ..Surface::default() };
+        find_candidates(&geometry, &mut surface);
+        Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })
+    }
+}
+
+fn prepared(geometry: &Geometry) -> [u32; 3] {
+    [geometry.tris.len() as u32, geometry.pieces, geometry.tiles]
+}
+
+/// Checks lengths, indices and numbers, so that no pass can read outside or make a NaN of them.
+fn check(
+    geometry: &Geometry,
+    nodes: &[Node],
+    light: &[NodeLight],
+    cells: &[Feature],
+    system: &System,
+) -> std::result::Result<(), &'static str> {
+    let finite = |numbers: &[f32]| numbers.iter().all(|x| x.is_finite());
+    let materials = geometry.materials.len() as u32;
+    let per_node = [light.len(), system.planes.len(), system.node_source.len()];
+    if per_node != [nodes.len(); 3] || cells.len() > system.source.len() {
+        return Err("sections 'nodes', 'light', 'planes', 'node_source', 'cells' and 'source' do not belong together");
+    }
+    let node = |n: &Node| n.material < materials && n.plane < geometry.pieces && finite(&n.p) && finite(&n.n) && finite(&n.mean);
+    if !nodes.iter().all(node) {
+        return Err("section 'nodes' holds a node that cannot be");
+    }
+    if !light.iter().chain(&system.node_source).all(|l| finite(&l.h) && finite(&l.g0) && finite(&l.g1)) {
+        return Err("section 'light' or 'node_source' holds a number that is not finite");
+    }
+    if !finite(cells.as_flattened()) || !finite(system.source.as_flattened()) {
+        return Err("section 'cells' or 'source' holds a number that is not finite");
+    }
+    let plane = |p: &Plane| p.material < materials && finite(&[p.i11, p.i12, p.i22]);
+    if !system.planes.iter().all(plane) {
+        return Err("section 'planes' holds a fit that cannot be");
+    }
+    let rows = |offsets: &[u32], links: &[Link], rows: usize, others: usize| {
+        offsets.len() == rows + 1
+            && offsets[0] == 0
+            && offsets.is_sorted()
+            && offsets[rows] as usize == links.len()
+            && links.iter().all(|l| (l.other as usize) < others && finite(&[l.value, l.first, l.second]))
+    };
+    if !rows(&system.cell_offsets, &system.cell_links, system.source.len(), nodes.len())
+        || !rows(&system.node_offsets, &system.node_links, nodes.len(), system.source.len())
+    {
+        return Err("the coefficients do not fit the network");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::Backend;
+    use crate::progress::Flow;
+    use crate::solution::SurfacePoint;
+
+    fn baked(seed: u32) -> Solution {
+        let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell/scene.obj")).unwrap();
+        let params = Params { rays: 4096, seed, direct_samples: 64, gather_rays: 16, ..Params::default() };
+        crate::bake(&Backend::Cpu, &scene, &params, &mut |_| Flow::Continue).unwrap()
+    }
+
+    #[test]
+    fn a_loaded_solution_answers_as_the_saved_one() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.rcell");
+        let solution = baked(1);
+        solution.save(&path).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let loaded = Solution::load(&path).unwrap();
+        let points: Vec<SurfacePoint> =
+            (0..50).map(|i| SurfacePoint { p: [0.1 * i as f64, 0.0, 0.3], n: [0.0, 1.0, 0.0] }).collect();
+        let answers = solution.query(&Backend::Cpu, &points).unwrap();
+        assert_eq!(loaded.query(&Backend::Cpu, &points).unwrap(), answers);
+        assert!(answers.iter().filter(|a| a.b[0] > 0.0).count() > 40);
+        assert_eq!((loaded.report().seed, &loaded.report().energy), (1, &solution.report().energy));
+        assert_eq!(loaded.system().cell_links, solution.system().cell_links);
+
+        // What is loaded is saved as it was; the same seed bakes the same bytes, another one others.
+        loaded.save(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() == bytes);
+        baked(1).save(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() == bytes);
+        baked(2).save(&path).unwrap();
+        assert!(std::fs::read(&path).unwrap() != bytes);
+        assert!(!String::from_utf8_lossy(&bytes).contains(env!("CARGO_MANIFEST_DIR")), "no path of this machine");
+    }
+
+    #[test]
+    fn a_whole_file_that_makes_no_sense_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.rcell");
+        let good = baked(1);
+        let refuses = |name: &str, spoil: &dyn Fn(&mut Solution)| {
+            let mut s = good.clone();
+            spoil(&mut s);
+            s.save(&path).unwrap();
+            match Solution::load(&path) {
+                Err(Error::Format { .. }) => (),
+                other => panic!("{name}: {:?}", other.map(|_| "was read")),
+            }
+        };
+        refuses("vertex", &|s| s.scene.vertices[3][1] = f64::NAN);
+        refuses("face", &|s| s.scene.faces[0].vertices[2] = 9999);
+        refuses("material of a face", &|s| s.scene.faces[0].material = 9999);
+        refuses("object of a face", &|s| s.scene.faces[0].object = 9999);
+        refuses("no faces", &|s| s.scene.faces.clear());
+        refuses("another scene", &|s| s.scene.faces.truncate(30));
+        refuses("reflectance", &|s| s.scene.materials[0].reflectance[0] = 1.5);
+        refuses("parameters", &|s| s.params.slots = 0);
+        refuses("node's plane", &|s| s.surface.nodes[0].plane = 9999);
+        refuses("node's material", &|s| s.surface.nodes[0].material = 9999);
+        refuses("node", &|s| s.surface.nodes[0].p[0] = f32::INFINITY);
+        refuses("number of nodes", &|s| s.surface.nodes.truncate(5));
+        refuses("light", &|s| s.light[0].g1[2] = f32::NAN);
+        refuses("number of lights", &|s| s.light.truncate(5));
+        refuses("cell", &|s| s.cells[0][0] = f32::NAN);
+        refuses("source", &|s| s.system.source[0][0] = f32::NAN);
+        refuses("gather link", &|s| s.system.cell_links[0].other = 9999);
+        refuses("deposit link", &|s| s.system.node_links[0].value = f32::NAN);
+        refuses("offsets", &|s| s.system.node_offsets[1] = u32::MAX);
+        refuses("no offsets", &|s| s.system.cell_offsets.clear());
+        refuses("plane", &|s| s.system.planes[0].material = 9999);
+        refuses("node source", &|s| s.system.node_source[0].h[0] = f32::NAN);
+        refuses("number of node sources", &|s| s.system.node_source.truncate(5));
+        refuses("number of planes", &|s| s.system.planes.truncate(5));
+        // A container with something else in it.
+        rcell::write(&path, &serde_json::json!({"content": "texture"}), &[]).unwrap();
+        assert!(matches!(Solution::load(&path), Err(Error::Format { .. })));
+    }
+}

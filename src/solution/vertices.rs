@@ -1,0 +1,118 @@
+//! Light at the scene's vertices, for meshes with vertex colours.
+
+use super::Solution;
+use crate::bake::Backend;
+use crate::error::Result;
+use crate::layout::Point;
+use crate::output::ply::{Mesh, Vertex};
+use crate::progress::{Event, Flow};
+use crate::twin::trace::surface_point;
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// Least cosine between the normals of faces that share a vertex: one degree.
+const SAME_WAY: f32 = 0.99985;
+/// How far a vertex's sample is moved towards its triangle's centroid, as a share of the way: on the
+/// very edge the neighbour face is in contact, and no light passes.
+const NUDGE: f32 = 1e-3;
+
+/// An output vertex: where its light is taken.
+struct Corner {
+    vertex: u32,
+    normal: Vec3,
+    /// The largest triangle around it, and which corner of it.
+    tri: u32,
+    corner: usize,
+}
+
+impl Solution {
+    /// Radiosity at every vertex: one output vertex for each vertex, material and direction of face
+    /// (to a degree). Triangles that were dropped (no area, duplicates) are left out.
+    ///
+    /// Errors: those of the device; [`crate::Error::NotFinite`].
+    pub fn vertices(&self, backend: &Backend) -> Result<Mesh> {
+        self.vertices_with(backend, &mut |_| Flow::Continue)
+    }
+
+    /// As [`Solution::vertices`], telling its progress.
+    pub fn vertices_with(&self, backend: &Backend, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Mesh> {
+        let (corners, faces) = self.corners();
+        let points: Vec<Point> = corners
+            .iter()
+            .map(|c| {
+                let mut b = [NUDGE / 3.0; 3];
+                b[c.corner] += 1.0 - NUDGE;
+                surface_point(&self.geometry, c.tri, b[1], b[2])
+            })
+            .collect();
+        let shades = self.shade(backend, &self.params, &points, tell)?;
+        let vertices = corners
+            .iter()
+            .zip(points.iter().zip(&shades))
+            .map(|(c, (point, shade))| {
+                let answer = self.answer(point, shade, || format!("the light at vertex {}", c.vertex))?;
+                let p = self.scene.vertices[c.vertex as usize];
+                Ok(Vertex { p, n: c.normal.to_array(), b: answer.b.map(|b| b as f32) })
+            })
+            .collect::<Result<_>>()?;
+        Ok(Mesh { vertices, faces })
+    }
+
+    /// The output vertices and the faces between them, in the order of the scene's faces.
+    fn corners(&self) -> (Vec<Corner>, Vec<[u32; 3]>) {
+        let geometry = &self.geometry;
+        let mut order: Vec<u32> = (0..geometry.tris.len() as u32).collect();
+        order.sort_unstable_by_key(|&t| geometry.source[t as usize]);
+        let mut corners: Vec<Corner> = Vec::new();
+        let mut at: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
+        let faces = order
+            .into_iter()
+            .map(|tri| {
+                let t = &geometry.tris[tri as usize];
+                let normal = Vec3::from(t.normal);
+                let face = &self.scene.faces[geometry.source[tri as usize] as usize];
+                [0, 1, 2].map(|corner| {
+                    let vertex = face.vertices[corner];
+                    let here = at.entry((vertex, face.material)).or_default();
+                    if let Some(&k) = here.iter().find(|&&k| corners[k as usize].normal.dot(normal) > SAME_WAY) {
+                        let c = &mut corners[k as usize];
+                        if geometry.areas[tri as usize] > geometry.areas[c.tri as usize] {
+                            (c.tri, c.corner) = (tri, corner);
+                        }
+                        return k;
+                    }
+                    here.push(corners.len() as u32);
+                    corners.push(Corner { vertex, normal, tri, corner });
+                    corners.len() as u32 - 1
+                })
+            })
+            .collect();
+        (corners, faces)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Params, Scene};
+
+    #[test]
+    fn a_cube_has_a_vertex_a_face_corner() {
+        let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace/scene.obj")).unwrap();
+        let params = Params { rays: 8192, ..Params::default() };
+        let solution = crate::bake(&Backend::Cpu, &scene, &params, &mut |_| Flow::Continue).unwrap();
+        let mesh = solution.vertices(&Backend::Cpu).unwrap();
+        // Six sides with four corners each, whatever the diagonals.
+        assert_eq!((mesh.vertices.len(), mesh.faces.len()), (24, 12));
+        for face in &mesh.faces {
+            let [a, b, c] = face.map(|v| mesh.vertices[v as usize]);
+            assert!(a.n == b.n && b.n == c.n);
+            let side = (0..3).any(|k| a.p[k] == b.p[k] && b.p[k] == c.p[k] && a.n[k].abs() == 1.0);
+            assert!(side, "{a:?} {b:?} {c:?}");
+        }
+        // B = pi Ke / (1 - rho) everywhere, in the corners too.
+        for v in &mesh.vertices {
+            assert!((v.b[0] as f64 / (5.0 * std::f64::consts::PI) - 1.0).abs() < 0.05, "{v:?}");
+        }
+    }
+}
