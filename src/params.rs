@@ -31,7 +31,7 @@ pub struct Params {
     /// refinements take their error out of the result; `rays/128` with `--direct network`.
     pub cells: Option<u32>,
     /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)`, plus one for each
-    /// planar piece where there are more than 200.
+    /// planar piece where there are more than 200, at most twice as many.
     pub nodes: Option<u32>,
     /// How direct light is carried.
     pub direct: Direct,
@@ -134,8 +134,10 @@ impl Params {
 
     /// Nodes asked for, or the default for the number of rays in a scene of `pieces` planar pieces.
     pub fn node_count(&self, pieces: u32) -> usize {
-        let more = if pieces > PIECES { pieces as usize } else { 0 };
-        self.nodes.map_or((NODES_PER_ROOT * (self.rays as f64).sqrt()) as usize + more, |n| n as usize)
+        let base = (NODES_PER_ROOT * (self.rays as f64).sqrt()) as usize;
+        // A curved mesh has as many pieces as triangles: they may double the nodes at most.
+        let more = if pieces > PIECES { (pieces as usize).min(base) } else { 0 };
+        self.nodes.map_or(base + more, |n| n as usize)
     }
 
     /// Cells asked for, or the default for the number of rays.
