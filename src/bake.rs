@@ -96,6 +96,8 @@ struct Stage<'a> {
     density: &'a [f64],
     refinements: u32,
     seeds: [u32; 3],
+    /// The network that counts: its stages are told, and its points are many.
+    told: bool,
 }
 
 /// Wall time a stage, added up.
@@ -162,7 +164,7 @@ fn run<E: Engine>(
     let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
 
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
-    progress.event(Event::Stage { name: "train" })?;
+    progress.event(Event::Stage { name: "pilot" })?;
     let places = tile_places(geometry, stream(params.seed, Stream::TilePlace));
     let direct = clock.time(engine, "direct", |engine| tile_direct(engine, &places, stream(params.seed, Stream::TileDirect)))?;
     let sent: Vec<[f64; 3]> = (0..places.len())
@@ -188,6 +190,7 @@ fn run<E: Engine>(
             brightness: &first,
             density: &uniform,
             refinements: 0,
+            told: false,
             seeds: [Stream::PilotNodes, Stream::PilotRays, Stream::PilotEnds].map(|s| stream(params.seed, s)),
         },
         &mut clock,
@@ -237,6 +240,7 @@ fn run<E: Engine>(
             brightness: &carried,
             density: &density,
             refinements: params.refinements,
+            told: true,
             seeds: [Stream::Nodes, Stream::Rays, Stream::Ends].map(|s| stream(params.seed, s)),
         },
         &mut clock,
@@ -375,10 +379,12 @@ fn network<E: Engine>(
 ) -> Result<Network<E>> {
     let exact = params.direct == Direct::Exact;
     let [node_seed, ray_seed, end_seed] = stage.seeds;
+    let tell = |progress: &mut Progress, name| if stage.told { progress.event(Event::Stage { name }) } else { Ok(()) };
+    tell(progress, "train")?;
 
     // Place the nodes.
     let mut surface = clock.time(engine, "nodes", |engine| {
-        nodes::place_nodes(engine, geometry, stage.density, stage.nodes, params.lambda as f32, node_seed)
+        nodes::place_nodes(engine, geometry, stage.density, stage.nodes, params.lambda as f32, node_seed, stage.told)
     })?;
 
     // Shoot all rays, find what both ends see of the emitters and which nodes speak for them.
@@ -434,7 +440,7 @@ fn network<E: Engine>(
     })?;
 
     // Read the cells as coefficients.
-    progress.event(Event::Stage { name: "coefficients" })?;
+    tell(progress, "coefficients")?;
     // All rays together weigh 2 A / (1 - alpha) at most.
     let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
     let built = clock.time(engine, "coefficients", |engine| {
@@ -452,7 +458,7 @@ fn network<E: Engine>(
 
     // Solve; then let the rays carry the solution once more, each from its own end, and solve for the
     // difference: what the cells leave out is left out of a small correction only.
-    progress.event(Event::Stage { name: "solve" })?;
+    tell(progress, "solve")?;
     let (light, solved) = clock.time(engine, "solve", |engine| {
         let mut solve = |engine: &mut E, system: &System, start: Vec<NodeLight>| {
             engine.set_system(system)?;

@@ -172,7 +172,7 @@ fn case(points: usize) -> Case {
     let geometry = room();
     let tiles = tiles(&geometry);
     let density = vec![1.0; geometry.tiles as usize];
-    let surface = place_nodes(&mut TwinEngine::new(&geometry), &geometry, &density, 300, 0.3, 5).unwrap();
+    let surface = place_nodes(&mut TwinEngine::new(&geometry), &geometry, &density, 300, 0.3, 5, true).unwrap();
     let rays = points.div_ceil(2) as u32;
     let mut points_ = twin::emit::emit(&geometry, &tiles, 11, 0, rays, rays.max(1));
     points_.truncate(points.next_multiple_of(2));

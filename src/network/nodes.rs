@@ -10,6 +10,7 @@ use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_in_tile, surface_point};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Training points a node.
 const POINTS_PER_NODE: usize = 24;
@@ -127,7 +128,8 @@ pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32) -> Re
 }
 
 /// Places about `count` nodes with density `density` (per area, a number each tile), then more where
-/// points find no compatible node. The surface is left set on the engine.
+/// points find no compatible node. `mark`: also find which nodes need no visibility ray
+/// ([`mark_free`]). The surface is left set on the engine.
 pub fn place_nodes<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
@@ -135,6 +137,7 @@ pub fn place_nodes<E: Engine>(
     count: usize,
     lambda: f32,
     seed: u32,
+    mark: bool,
 ) -> Result<Surface> {
     // Only what reflects needs nodes; emitters that do not are read as B = E.
     let weight: Vec<f64> = (0..geometry.tiles as usize)
@@ -173,6 +176,10 @@ pub fn place_nodes<E: Engine>(
         find_candidates(geometry, &mut surface);
         engine.set_surface(&surface)?;
     }
+    if mark {
+        mark_free(geometry, &mut surface);
+        engine.set_surface(&surface)?;
+    }
     Ok(surface)
 }
 
@@ -191,13 +198,17 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
     }
 }
 
-/// Lists for every tile the nodes that can be among the nearest of any of its points, and marks those
-/// that nothing can hide.
+/// Lists for every tile the nodes that can be among the nearest of any of its points.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
+    // Boxes a few node spacings wide (the area is 6 L^2) hold all that most tiles need.
+    let width = 2.5 * (6.0 / surface.nodes.len().max(1) as f32).sqrt();
+    let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
+    let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
     for (i, n) in surface.nodes.iter().enumerate() {
         by_material[n.material as usize].push(i as u32);
+        boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
     let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
         .into_par_iter()
@@ -212,34 +223,32 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
             let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
             let radius = corners.iter().map(|c| (*c - centre).length()).fold(0.0, f32::max) * inv;
             let n = Vec3::from(tri.normal);
-            let mut near: Vec<(f32, u32)> = own
-                .iter()
-                .filter(|&&i| Vec3::from(surface.nodes[i as usize].n).dot(n) > CONE)
-                .map(|&i| {
-                    let node = &surface.nodes[i as usize];
-                    let d = (centre - Vec3::from(node.p)) * inv;
-                    let m = (n - Vec3::from(node.n)) * lambda;
-                    ((d.dot(d) + m.dot(m)).sqrt(), i)
-                })
-                .collect();
-            if near.len() > NEAREST {
-                // No point of the tile lies farther than `radius` from its centre.
+            let measure = |&i: &u32| {
+                let node = &surface.nodes[i as usize];
+                let d = (centre - Vec3::from(node.p)) * inv;
+                let m = (n - Vec3::from(node.n)) * lambda;
+                (Vec3::from(node.n).dot(n) > CONE).then(|| ((d.dot(d) + m.dot(m)).sqrt(), i))
+            };
+            // No point of the tile lies farther than `radius` from its centre, so nodes beyond `reach`
+            // are not among its nearest.
+            let within_reach = |mut near: Vec<(f32, u32)>| {
+                if near.len() < NEAREST {
+                    return (near, f32::INFINITY);
+                }
                 near.select_nth_unstable_by(NEAREST - 1, |a, b| a.0.total_cmp(&b.0));
                 let reach = (near[NEAREST - 1].0 + 2.0 * radius) * (1.0 + 1e-5);
                 near.retain(|x| x.0 <= reach);
+                (near, reach)
+            };
+            let [x, y, z] = box_of(centre);
+            let around = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
+            let (mut near, reach) = within_reach(around.flatten().filter_map(measure).collect());
+            if reach > 0.999 * width {
+                near = within_reach(own.iter().filter_map(measure).collect()).0;
             }
             near.sort_unstable_by_key(|x| x.1);
 
-            // Nothing else near: no ray need be shot. Ask for all at once before asking for each.
-            let nodes: Vec<&Node> = near.iter().map(|x| &surface.nodes[x.1 as usize]).collect();
-            let alone = is_free(geometry, &corners, n, tri.plane, &nodes);
-            near.iter()
-                .zip(&nodes)
-                .map(|(x, node)| Candidate {
-                    node: x.1,
-                    free: (alone || is_free(geometry, &corners, n, tri.plane, std::slice::from_ref(node))) as u32,
-                })
-                .collect()
+            near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
         })
         .collect();
     surface.offsets = vec![0];
@@ -247,6 +256,27 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     for row in rows {
         surface.candidates.extend(row);
         surface.offsets.push(surface.candidates.len() as u32);
+    }
+}
+
+/// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its
+/// box queries where many points are assigned; the weights are the same without.
+pub fn mark_free(geometry: &Geometry, surface: &mut Surface) {
+    let Surface { nodes, offsets, candidates, .. } = surface;
+    let free: Vec<Vec<u32>> = (0..geometry.tiles as usize)
+        .into_par_iter()
+        .map(|tile| {
+            let own: Vec<&Node> =
+                candidates[offsets[tile] as usize..offsets[tile + 1] as usize].iter().map(|c| &nodes[c.node as usize]).collect();
+            let tri = &geometry.tris[geometry.tile_tri[tile] as usize];
+            let (corners, n) = (tile_corners(geometry, tile as u32), Vec3::from(tri.normal));
+            // Ask for all at once before asking for each.
+            let alone = is_free(geometry, &corners, n, tri.plane, &own);
+            own.iter().map(|&node| (alone || is_free(geometry, &corners, n, tri.plane, &[node])) as u32).collect()
+        })
+        .collect();
+    for (candidate, free) in candidates.iter_mut().zip(free.into_iter().flatten()) {
+        candidate.free = free;
     }
 }
 

@@ -4,7 +4,7 @@
 use super::Solution;
 use crate::error::{Error, Result};
 use crate::layout::{Link, Node, NodeLight, Plane};
-use crate::network::nodes::find_candidates;
+use crate::network::nodes::{find_candidates, mark_free};
 use crate::output::rcell::{self, Section};
 use crate::output::report::{Report, Seconds};
 use crate::params::Params;
@@ -141,6 +141,7 @@ impl Solution {
         let mut surface =
             Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda: header.params.lambda as f32, ..Surface::default() };
         find_candidates(&geometry, &mut surface);
+        mark_free(&geometry, &mut surface);
         Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })
     }
 }

@@ -17,7 +17,9 @@ const DIRECT_TOLERANCE: f64 = 0.03;
 /// Most direct samples a pixel.
 const DIRECT_SAMPLES: u32 = 256;
 /// Rays of a final gather at a pixel.
-const GATHER_RAYS: u32 = 64;
+const GATHER_RAYS: u32 = 96;
+/// Pixels gather at contacts and in slots only.
+const GATHER_THRESHOLD: f64 = 0.6;
 
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +116,7 @@ impl Solution {
             direct_tolerance: self.params.direct_tolerance.max(DIRECT_TOLERANCE),
             direct_samples: self.params.direct_samples.min(DIRECT_SAMPLES),
             gather_rays: self.params.gather_rays.min(GATHER_RAYS),
+            gather_threshold: self.params.gather_threshold.min(GATHER_THRESHOLD),
             ..self.params.clone()
         };
         let mut shades = self.shade(backend, &params, &points, tell)?.into_iter();

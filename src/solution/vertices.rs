@@ -5,6 +5,7 @@ use crate::bake::Backend;
 use crate::error::Result;
 use crate::layout::Point;
 use crate::output::ply::{Mesh, Vertex};
+use crate::params::Params;
 use crate::progress::{Event, Flow};
 use crate::twin::trace::surface_point;
 use glam::Vec3;
@@ -45,7 +46,14 @@ impl Solution {
                 surface_point(&self.geometry, c.tri, b[1], b[2])
             })
             .collect();
-        let shades = self.shade(backend, &self.params, &points, tell)?;
+        // Vertices come by the hundred thousand: gather at contacts and in slots only, with fewer rays.
+        let params = Params {
+            gather_rays: self.params.gather_rays.min(256),
+            gather_threshold: self.params.gather_threshold.min(0.6),
+            direct_tolerance: self.params.direct_tolerance.max(0.01),
+            ..self.params.clone()
+        };
+        let shades = self.shade(backend, &params, &points, tell)?;
         let vertices = corners
             .iter()
             .zip(points.iter().zip(&shades))
