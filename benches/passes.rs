@@ -62,11 +62,10 @@ impl Case {
             .collect();
         let mut engine = TwinEngine::new(&geometry);
         let density = vec![1.0; geometry.tiles as usize];
-        let surface = place_nodes(&mut engine, &geometry, &density, 400, params.lambda as f32, 5).unwrap();
+        let surface = place_nodes(&mut engine, &geometry, &density, 400, params.lambda as f32, 5, true).unwrap();
         let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda: params.lambda as f32, mu: params.mu as f32 };
         let brightness = vec![1.0; geometry.tiles as usize];
-        let mut case =
-            Case { geometry, tiles, surface, metric, brightness, system: System::default(), light: Vec::new() };
+        let mut case = Case { geometry, tiles, surface, metric, brightness, system: System::default(), light: Vec::new() };
 
         // A linear system out of these rays.
         let mut engine = TwinEngine::new(&case.geometry);
