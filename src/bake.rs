@@ -46,10 +46,6 @@ const PILOT_CELLS: u32 = 512;
 const PILOT_NODES: usize = 400;
 /// Rays in a batch.
 pub const BATCH: u32 = 65_536;
-/// Nodes per square root of rays.
-const NODES_PER_ROOT: f64 = 1.4;
-/// Planar pieces beyond which each gets a node.
-const PIECES: u32 = 200;
 /// Rays from emitters in the energy account.
 const EMISSION_RAYS: u32 = 65_536;
 
@@ -215,13 +211,7 @@ fn run<E: Engine>(
             })
             .collect())
     })?;
-    let count = params.nodes.map_or_else(
-        || {
-            (NODES_PER_ROOT * (params.rays as f64).sqrt()) as usize
-                + if geometry.pieces > PIECES { geometry.pieces as usize } else { 0 }
-        },
-        |n| n as usize,
-    );
+    let count = params.node_count(geometry.pieces);
     let density = clock.time(engine, "train", |engine| node_density(engine, geometry, &pilot.batches, &carried, count))?;
     drop(pilot);
 

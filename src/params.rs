@@ -14,6 +14,11 @@ pub enum Direct {
     Network,
 }
 
+/// Nodes per square root of rays: where nodes carry gradients, more only add noise.
+const NODES_PER_ROOT: f64 = 1.4;
+/// Planar pieces beyond which each gets a node.
+const PIECES: u32 = 200;
+
 /// Parameters of a bake. [`Params::default`] serves every scene; `check` refuses what makes no sense.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Params {
@@ -125,6 +130,12 @@ impl Params {
         within("refinements", self.refinements, 0, 16, "give 0 to 16 refinements")?;
         within("tolerance", self.tolerance, 1e-9, 0.1, "give 1e-9 to 0.1")?;
         within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")
+    }
+
+    /// Nodes asked for, or the default for the number of rays in a scene of `pieces` planar pieces.
+    pub fn node_count(&self, pieces: u32) -> usize {
+        let more = if pieces > PIECES { pieces as usize } else { 0 };
+        self.nodes.map_or((NODES_PER_ROOT * (self.rays as f64).sqrt()) as usize + more, |n| n as usize)
     }
 
     /// Cells asked for, or the default for the number of rays.

@@ -7,7 +7,6 @@ use crate::error::Result;
 use crate::layout::{DirectSum, Point};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
-use crate::scene::Geometry;
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 
@@ -41,7 +40,6 @@ pub(crate) struct Shade {
 /// spacing, local.
 pub(crate) fn shade<E: Engine>(
     engine: &mut E,
-    geometry: &Geometry,
     params: &Params,
     spacing: f64,
     points: &[Point],
@@ -49,20 +47,13 @@ pub(crate) fn shade<E: Engine>(
 ) -> Result<Vec<Shade>> {
     let mut out = Vec::with_capacity(points.len());
     for (i, chunk) in points.chunks(CHUNK).enumerate() {
-        out.extend(shade_chunk(engine, geometry, params, spacing, chunk, seed_of(params.seed, i as u32))?);
+        out.extend(shade_chunk(engine, params, spacing, chunk, seed_of(params.seed, i as u32))?);
         progress.event(Event::Points { done: out.len() as u64, total: points.len() as u64 })?;
     }
     Ok(out)
 }
 
-fn shade_chunk<E: Engine>(
-    engine: &mut E,
-    geometry: &Geometry,
-    params: &Params,
-    spacing: f64,
-    points: &[Point],
-    seed: u32,
-) -> Result<Vec<Shade>> {
+fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points: &[Point], seed: u32) -> Result<Vec<Shade>> {
     let exact = params.direct == Direct::Exact;
     let mut batch = engine.upload(points)?;
 
@@ -132,7 +123,6 @@ fn shade_chunk<E: Engine>(
             s.gathered = true;
         }
     }
-    let _ = geometry;
     Ok(shades)
 }
 

@@ -188,3 +188,21 @@ fn blocks_match() {
     let rust = layout!(Block { low, start, low_n, end, high, pad0, high_n, pad1 });
     assert_eq!(layout_of(&parse("winner"), "Block").unwrap(), rust);
 }
+
+#[test]
+fn composed_lines_lead_back_to_their_files() {
+    let composed = compose_mapped("shoot");
+    let count = composed.source.lines().count();
+    assert_eq!(composed.lines.len(), count);
+    for (name, text) in [("wgsl/shoot.wgsl", KERNELS), ("wgsl/lib/ray.wgsl", LIBS)] {
+        let short = name.rsplit('/').next().unwrap().trim_end_matches(".wgsl");
+        let original: Vec<&str> = text.iter().find(|(n, _)| *n == short).unwrap().1.lines().collect();
+        let mine: Vec<usize> = (0..count).filter(|&i| composed.lines[i].0 == name).collect();
+        // Every module comes once, line by line.
+        assert_eq!(mine.len(), original.len(), "{name}");
+        for (k, &i) in mine.iter().enumerate() {
+            assert_eq!(composed.locate(i + 1), format!("{name}:{}", k + 1));
+            assert!(composed.source.lines().nth(i).unwrap().ends_with(original[k]), "{name}:{}", k + 1);
+        }
+    }
+}

@@ -5,7 +5,6 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{CellSums, FEATURE_DIM};
 use crate::progress::{Event, Progress};
-use crate::twin::fixed::FEATURE_UNIT;
 use crate::twin::winner::Feature;
 
 /// Rays an epoch shows each cell.
@@ -130,10 +129,4 @@ fn delete_starved(cells: &mut Vec<Feature>, complex: &mut Complex, sums: &[CellS
         *cells = cells.iter().zip(&map).filter(|(_, m)| m.is_some()).map(|(c, _)| *c).collect();
     }
     (before - cells.len()) as u32
-}
-
-/// Mean squared distance of a ray to its cell, in feature units.
-pub fn mean_distortion(sums: &[CellSums]) -> f64 {
-    let (d, n) = sums.iter().fold((0.0, 0.0), |(d, n), s| (d + s.distortion.value(FEATURE_UNIT), n + s.count.units() as f64));
-    if n > 0.0 { d / n } else { 0.0 }
 }

@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Candidate, NONE, Node, Point};
+use crate::layout::{Candidate, Node, Point};
 use crate::scene::Geometry;
 use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
 use crate::twin::math::{invert_cdf, unit};
@@ -331,10 +331,4 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
         }
     }
     true
-}
-
-/// Number of tiles' candidates that need a ray, for the report.
-pub fn guarded_share(surface: &Surface) -> f64 {
-    let guarded = surface.candidates.iter().filter(|c| c.free == 0 && c.node != NONE).count();
-    guarded as f64 / surface.candidates.len().max(1) as f64
 }

@@ -124,7 +124,7 @@ fn blocks(cells: &[Feature]) -> (Vec<Block>, Vec<usize>) {
 }
 
 /// Writes the cell nearest to each feature listed in `order`, ties to the lowest index, into the same places of
-/// `winners`; [`NONE`] where there is no cell. It is fast where features near each other in `order` have like
+/// `winners`; [`crate::layout::NONE`] where there is no cell. It is fast where features near each other in `order` have like
 /// receivers.
 pub fn winner(
     gpu: &Gpu,

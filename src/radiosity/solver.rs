@@ -19,6 +19,8 @@ pub struct Solved {
     pub error_bound: f64,
 }
 
+/// Looks without progress after which rounding is taken to have the last word.
+const STUCK: u32 = 32;
 /// Sweeps between looks at the residual.
 const STRIDE: u32 = 8;
 
@@ -49,8 +51,8 @@ pub fn solve<E: Engine>(
 ) -> Result<(Vec<NodeLight>, Solved)> {
     let mut light = start;
     let mut solved = Solved::default();
-    let mut last_change = f64::NAN;
-    let mut grew = 0;
+    let (mut last_change, mut least_change) = (f64::NAN, f64::INFINITY);
+    let (mut grew, mut stuck) = (0, 0);
     while solved.sweeps < max_sweeps {
         // Sweep, with the last step by itself so that its change can be seen.
         let before = engine.jacobi(&light, STRIDE - 1)?;
@@ -65,14 +67,16 @@ pub fn solve<E: Engine>(
             return Ok((light, solved));
         }
         solved.residual = change / size;
-        // f32 carries no more than this; a stuck last digit is not divergence.
+        // f32 carries no more than this; a stuck last digit is neither progress nor divergence.
         let floor = 4.0 * f32::EPSILON as f64;
-        if last_change.is_finite() && last_change > 0.0 && change > 0.0 {
+        if last_change > 0.0 && change > 0.0 {
             let factor = (change / last_change).powf(1.0 / STRIDE as f64);
-            if solved.residual > floor {
+            if solved.residual > floor && factor < 1.0 {
                 solved.contraction = factor;
-                grew = if factor >= 1.0 { grew + 1 } else { 0 };
             }
+            // Rounding makes the steps wander; only steps well above the smallest seen are growth.
+            grew = if change > 4.0 * least_change { grew + 1 } else { 0 };
+            stuck = if change < 0.9999 * least_change { 0 } else { stuck + 1 };
             if grew >= 6 {
                 let (max_rho, material) = max_reflectance(geometry);
                 return Err(Error::NotContractive {
@@ -82,11 +86,14 @@ pub fn solve<E: Engine>(
                 });
             }
         }
+        least_change = least_change.min(change);
         last_change = change;
         let factor = solved.contraction.clamp(0.0, 0.999_999);
         solved.error_bound = solved.residual.max(f32::EPSILON as f64) * factor / (1.0 - factor);
         progress.event(Event::Sweep { n: solved.sweeps, residual: solved.error_bound })?;
-        if solved.sweeps >= 2 * STRIDE && (solved.error_bound < tolerance || solved.residual <= floor) {
+        if solved.sweeps >= 2 * STRIDE
+            && (solved.error_bound < tolerance || solved.residual <= floor || (stuck >= STUCK && grew == 0))
+        {
             break;
         }
     }

@@ -116,7 +116,7 @@ impl Solution {
 
     /// Node spacing, local.
     fn spacing(&self) -> f64 {
-        (self.geometry.area / (1.4 * (self.params.rays as f64).sqrt())).sqrt()
+        (self.geometry.area / self.params.node_count(0) as f64).sqrt()
     }
 
     /// Shades points given as triangle and place, as carefully as `params` say.
@@ -136,7 +136,7 @@ impl Solution {
         ) -> Result<Vec<Shade>> {
             engine.set_surface(&s.surface)?;
             engine.set_light(&s.light)?;
-            shade(engine, &s.geometry, params, s.spacing(), points, progress)
+            shade(engine, params, s.spacing(), points, progress)
         }
         let mut progress = Progress::new(tell);
         match backend {
