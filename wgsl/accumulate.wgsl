@@ -1,6 +1,7 @@
 // Pass accumulate: what the rays of a training epoch leave in their cells. Twin: src/twin/accumulate.rs.
 #import layout
 #import fixed
+#import sums
 
 struct Params {
     base: u32,
@@ -20,15 +21,6 @@ const WORDS = 32u; // of CellSums
 const DISTORTION = 26u;
 const COUNT = 28u;
 
-fn add(word: u32, value: f32) {
-    let v = encode(value, FEATURE_POWER);
-    let old = atomicAdd(&sums[word], v.x);
-    let hi = v.y + carry(old, v.x);
-    if hi != 0u {
-        atomicAdd(&sums[word + 1u], hi);
-    }
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if gid.x >= params.count {
@@ -43,11 +35,11 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     var distance = 0.0;
     for (var k = 0u; k < 13u; k++) {
         let f = features[4u * d + k / 4u][k % 4u];
-        add(at + 2u * k, f);
+        add_sum(at + 2u * k, f, FEATURE_POWER);
         let e = f - cells[4u * cell + k / 4u][k % 4u];
         distance += e * e;
     }
-    add(at + DISTORTION, distance);
+    add_sum(at + DISTORTION, distance, FEATURE_POWER);
     let old = atomicAdd(&sums[at + COUNT], 1u);
     atomicAdd(&sums[at + COUNT + 1u], carry(old, 1u));
 }

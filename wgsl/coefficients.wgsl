@@ -6,6 +6,7 @@
 #import layout
 #import math
 #import fixed
+#import sums
 #import finish
 
 struct Params {
@@ -41,15 +42,6 @@ fn offsets(node: u32, p: vec3<f32>) -> vec2<f32> {
     let t = tangents(nodes[node].n);
     let d = p - nodes[node].p;
     return vec2<f32>(dot3(d, t.t1), dot3(d, t.t2));
-}
-
-fn add_sum(word: u32, value: f32) {
-    let v = encode(value, POWER);
-    let old = atomicAdd(&sums[word], v.x);
-    let hi = v.y + carry(old, v.x);
-    if hi != 0u {
-        atomicAdd(&sums[word + 1u], hi);
-    }
 }
 
 fn add_row(word: u32, value: f32) {
@@ -112,13 +104,13 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             let v = w * here.weight[k];
             if params.masses == 1u {
                 let at = NODE_WORDS * node;
-                add_sum(at, v);
-                add_sum(at + 2u, v * o.x);
-                add_sum(at + 4u, v * o.y);
-                add_sum(at + 6u, v * o.x * o.x);
-                add_sum(at + 8u, v * o.x * o.y);
-                add_sum(at + 10u, v * o.y * o.y);
-                add_sum(at + 12u, (v * params.rays) * v);
+                add_sum(at, v, POWER);
+                add_sum(at + 2u, v * o.x, POWER);
+                add_sum(at + 4u, v * o.y, POWER);
+                add_sum(at + 6u, v * o.x * o.x, POWER);
+                add_sum(at + 8u, v * o.x * o.y, POWER);
+                add_sum(at + 10u, v * o.y * o.y, POWER);
+                add_sum(at + 12u, (v * params.rays) * v, POWER);
             }
             if counts {
                 add(row + 1u, node, v, v * o.x, v * o.y);

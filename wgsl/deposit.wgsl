@@ -2,6 +2,7 @@
 #import layout
 #import math
 #import fixed
+#import sums
 
 struct Params {
     base: u32,
@@ -21,21 +22,6 @@ struct Params {
 @group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>; // NodeSource, by words
 
 const WORDS = 18u; // of NodeSource
-
-fn add(word: u32, value: f32) {
-    let v = encode(value, POWER);
-    let old = atomicAdd(&sums[word], v.x);
-    let hi = v.y + carry(old, v.x);
-    if hi != 0u {
-        atomicAdd(&sums[word + 1u], hi);
-    }
-}
-
-fn add3(word: u32, value: vec3<f32>) {
-    add(word, value.x);
-    add(word + 2u, value.y);
-    add(word + 4u, value.z);
-}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
@@ -62,9 +48,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             let v = (y.weight * params.normalise) * weight;
             let s = v * sent;
             let at = WORDS * node;
-            add3(at, s);
-            add3(at + 6u, s * dot3(e, t.t1));
-            add3(at + 12u, s * dot3(e, t.t2));
+            add_sum3(at, s, POWER);
+            add_sum3(at + 6u, s * dot3(e, t.t1), POWER);
+            add_sum3(at + 12u, s * dot3(e, t.t2), POWER);
         }
     }
 }

@@ -1,6 +1,7 @@
 // Pass coefficients, second kernel: flux and source of the cells. Twin: src/twin/coefficients.rs.
 #import layout
 #import fixed
+#import sums
 
 struct Params {
     base: u32,
@@ -19,15 +20,6 @@ struct Params {
 
 const WORDS = 8u; // of CellFlux
 
-fn add(word: u32, value: f32) {
-    let v = encode(value, POWER);
-    let old = atomicAdd(&sums[word], v.x);
-    let hi = v.y + carry(old, v.x);
-    if hi != 0u {
-        atomicAdd(&sums[word + 1u], hi);
-    }
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if gid.x >= params.count {
@@ -45,8 +37,6 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         source = materials[material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)));
     }
     let at = WORDS * winners[d];
-    add(at, w);
-    add(at + 2u, w * source.x);
-    add(at + 4u, w * source.y);
-    add(at + 6u, w * source.z);
+    add_sum(at, w, POWER);
+    add_sum3(at + 2u, w * source, POWER);
 }
