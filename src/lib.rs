@@ -57,3 +57,8 @@ pub use progress::{Event, Flow};
 pub use scene::Scene;
 pub use solution::{Answer, Camera, Image, Solution, Status, SurfacePoint};
 pub use wgpu;
+
+/// The README's program compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -156,7 +156,7 @@ pub struct Network {
     /// Light rays, 1024 to 16777216 [default: 524288].
     #[arg(long)]
     pub rays: Option<u32>,
-    /// Cells of the network, 16 to 100000 [default: rays/128].
+    /// Cells of the network, 16 to 100000 [default: rays/512; with --direct network rays/128].
     #[arg(long)]
     pub cells: Option<u32>,
     /// How light straight from emitters is carried [default: exact].
