@@ -5,38 +5,27 @@
 //! 3. Full network: rays by importance, nodes where light changes quickly, cells grown on the rays.
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
-use crate::engine::Engine;
+use crate::engine::{Backend, Engine};
 use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::layout::{DirectSum, NONE, NodeLight, Point, Tile, kind};
-use crate::network::{growth, nodes};
-use crate::output::report::{Energy, Report, SceneReport, Seconds, SolverReport};
+use crate::layout::{NodeLight, Tile};
+use crate::network::{growth, nodes, tiles, tiles::mean};
+use crate::output::report::{Report, SceneReport, Seconds, SolverReport};
 use crate::params::{Direct, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::radiosity::components::{Components, Splitter};
-use crate::radiosity::{coefficients, solver};
+use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
 use crate::solution::Solution;
+use crate::stream::{Stream, stream};
 use crate::twin::TwinEngine;
 use crate::twin::assign::Surface;
 use crate::twin::direct::Samples;
 use crate::twin::jacobi::System;
 use crate::twin::math::seed_of;
 use crate::twin::winner::{Feature, Metric};
-use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 use std::time::Instant;
-
-/// What a bake runs on.
-#[derive(Clone)]
-#[non_exhaustive]
-pub enum Backend {
-    /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
-    Cpu,
-    /// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
-    Gpu(Arc<Gpu>),
-}
 
 /// Rays of the pilot network.
 const PILOT_RAYS: u32 = 65_536;
@@ -46,30 +35,6 @@ const PILOT_CELLS: u32 = 512;
 const PILOT_NODES: usize = 400;
 /// Rays in a batch.
 pub const BATCH: u32 = 65_536;
-/// Rays from emitters in the energy account.
-const EMISSION_RAYS: u32 = 65_536;
-
-/// The random sequences of a bake; each is a hash of the seed and its number.
-#[derive(Clone, Copy)]
-pub(crate) enum Stream {
-    TileDirect = 1,
-    TilePlace,
-    PilotNodes,
-    PilotRays,
-    PilotEnds,
-    Nodes,
-    Rays,
-    Ends,
-    Emission,
-    PointDirect,
-    PointProbe,
-    PointGather,
-    HitDirect,
-}
-
-pub(crate) fn stream(seed: u32, which: Stream) -> u32 {
-    seed_of(seed, which as u32)
-}
 
 /// A trained and solved network.
 pub(crate) struct Network<E: Engine> {
@@ -161,11 +126,12 @@ fn run<E: Engine>(
 
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
     progress.event(Event::Stage { name: "pilot" })?;
-    let places = tile_places(geometry, stream(params.seed, Stream::TilePlace));
-    let direct = clock.time(engine, "direct", |engine| tile_direct(engine, &places, stream(params.seed, Stream::TileDirect)))?;
+    let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
+    let direct =
+        clock.time(engine, "direct", |engine| tiles::direct(engine, &places, stream(params.seed, Stream::TileDirect)))?;
     let sent: Vec<[f64; 3]> = (0..places.len())
         .map(|t| {
-            let m = material(geometry, &places[t]);
+            let m = geometry.material_at(&places[t]);
             let d = direct[t].mean();
             [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
         })
@@ -182,7 +148,7 @@ fn run<E: Engine>(
             rays: PILOT_RAYS.min(params.rays),
             cells: PILOT_CELLS,
             nodes: PILOT_NODES,
-            tiles: &start_tiles(geometry, &first, params.alpha),
+            tiles: &tiles::starts(geometry, &first, params.alpha),
             brightness: &first,
             density: &uniform,
             refinements: 0,
@@ -206,19 +172,19 @@ fn run<E: Engine>(
         }
         Ok((0..places.len())
             .map(|t| {
-                let rho = material(geometry, &places[t]).rho;
+                let rho = geometry.material_at(&places[t]).rho;
                 mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[t][k]) as f64))
             })
             .collect())
     })?;
     let count = params.node_count(geometry.pieces);
-    let density = clock.time(engine, "train", |engine| node_density(engine, geometry, &pilot.batches, &carried, count))?;
+    let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &pilot.batches, &carried, count))?;
     drop(pilot);
 
     // The full network. Shared out by less than its light, a dark part still gets rays enough to be read.
     let gamma = if exact { params.gamma } else { 1.0 };
     let wanted: Vec<f64> = carried.iter().map(|c| c.powf(gamma)).collect();
-    let full = network(
+    let mut full = network(
         engine,
         geometry,
         params,
@@ -226,7 +192,7 @@ fn run<E: Engine>(
             rays: params.rays,
             cells: params.cells(),
             nodes: count,
-            tiles: &start_tiles(geometry, &wanted, params.alpha),
+            tiles: &tiles::starts(geometry, &wanted, params.alpha),
             brightness: &carried,
             density: &density,
             refinements: params.refinements,
@@ -237,8 +203,9 @@ fn run<E: Engine>(
         progress,
         &names,
     )?;
-    let mut full = full;
-    let energy = clock.time(engine, "energy", |engine| account(engine, geometry, params, &mut full))?;
+    let seed = stream(params.seed, Stream::Emission);
+    let energy =
+        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, &full.light, &mut full.batches))?;
 
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
@@ -294,69 +261,6 @@ fn run<E: Engine>(
     ))
 }
 
-fn mean(x: &[f64; 3]) -> f64 {
-    (x[0] + x[1] + x[2]) / 3.0
-}
-
-fn material<'a>(geometry: &'a Geometry, point: &Point) -> &'a crate::layout::Material {
-    &geometry.materials[geometry.tris[point.tri as usize].material as usize]
-}
-
-/// A random point of every tile.
-fn tile_places(geometry: &Geometry, seed: u32) -> Vec<Point> {
-    use crate::twin::{math::unit, sobol::sobol4, trace};
-    (0..geometry.tiles)
-        .map(|t| {
-            let tri = geometry.tile_tri[t as usize];
-            let r = &geometry.tris[tri as usize];
-            let u = sobol4(t, seed);
-            let (b1, b2) = trace::place_in_tile(r.split, t - r.first_tile, unit(u[0]), unit(u[1]));
-            // The tile is known; rounding must not move the point to its neighbour.
-            Point { tile: t, kind: kind::FRONT, ..trace::surface_point(geometry, tri, b1, b2) }
-        })
-        .collect()
-}
-
-/// A first estimate of direct light at every tile's point.
-fn tile_direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32) -> Result<Vec<DirectSum>> {
-    let mut sums = Vec::new();
-    for (i, chunk) in places.chunks(BATCH as usize).enumerate() {
-        let mut batch = engine.upload(chunk)?;
-        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, 2, Samples { emitter: 6, cosine: 2 })?;
-        sums.extend(engine.direct_sums(&batch)?);
-    }
-    Ok(sums)
-}
-
-/// Start densities p = (1 - alpha)/A + alpha q over the live area, q proportional to `wanted` (a
-/// number each tile, per area). Uniform where nothing is wanted.
-fn start_tiles(geometry: &Geometry, wanted: &[f64], alpha: f64) -> Vec<Tile> {
-    let live = |t: usize| geometry.is_live(geometry.tile_tri[t] as usize);
-    let total: f64 = (0..wanted.len()).filter(|&t| live(t)).map(|t| wanted[t] * geometry.tile_area(t)).sum();
-    let alpha = if total > 0.0 { alpha } else { 0.0 };
-    let density: Vec<f64> = (0..wanted.len())
-        .map(|t| match live(t) {
-            true => (1.0 - alpha) / geometry.area + if total > 0.0 { alpha * wanted[t] / total } else { 0.0 },
-            false => 0.0,
-        })
-        .collect();
-    tiles_of(geometry, &density)
-}
-
-/// A fixed-point cumulative distribution from densities that integrate to 1.
-fn tiles_of(geometry: &Geometry, density: &[f64]) -> Vec<Tile> {
-    let mut sum = 0.0;
-    let last = density.iter().rposition(|&d| d > 0.0).unwrap_or(0);
-    density
-        .iter()
-        .enumerate()
-        .map(|(t, &d)| {
-            sum += d * geometry.tile_area(t);
-            Tile { cdf: if t >= last { u32::MAX } else { (sum * 4294967296.0).min(4294967295.0) as u32 }, density: d as f32 }
-        })
-        .collect()
-}
-
 /// Trains and solves one network.
 fn network<E: Engine>(
     engine: &mut E,
@@ -383,7 +287,7 @@ fn network<E: Engine>(
         ((0..stage.brightness.len()).map(|t| stage.brightness[t].powi(2) * geometry.tile_area(t)).sum::<f64>() / area).sqrt();
     let brightness: Vec<f32> = stage.brightness.iter().map(|b| if rms > 0.0 { (b / rms) as f32 } else { 0.0 }).collect();
     let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda: params.lambda as f32, mu: params.mu as f32 };
-    let mut batches = Vec::new();
+    let (mut batches, mut lengths) = (Vec::new(), Vec::new());
     for first in (0..stage.rays).step_by(BATCH as usize) {
         let count = BATCH.min(stage.rays - first);
         let mut batch = clock.time(engine, "emit", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
@@ -394,17 +298,16 @@ fn network<E: Engine>(
         clock.time(engine, "assign", |engine| engine.assign(&mut batch))?;
         clock.time(engine, "train", |engine| engine.feature(&mut batch, metric, &brightness))?;
         batches.push(batch);
+        lengths.push(2 * count as usize);
         progress.event(Event::Rays { done: (first + count) as u64, total: stage.rays as u64 })?;
     }
 
     // Grow the cells, then let every ray find its own.
-    let batch_points = 2 * BATCH.min(stage.rays) as usize;
     let (cells, complex, training) =
-        clock.time(engine, "grow", |engine| growth::grow(engine, &mut batches, batch_points, stage.cells as usize, progress))?;
+        clock.time(engine, "grow", |engine| growth::grow(engine, &mut batches, &lengths, stage.cells as usize, progress))?;
     drop(complex);
     clock.time(engine, "winner", |engine| {
-        for (i, batch) in batches.iter_mut().enumerate() {
-            let points = 2 * BATCH.min(stage.rays - i as u32 * BATCH) as usize;
+        for (batch, &points) in batches.iter_mut().zip(&lengths) {
             engine.winner(batch, 0..points, &cells)?;
         }
         Ok(())
@@ -446,8 +349,8 @@ fn network<E: Engine>(
         Ok(built)
     })?;
 
-    // Solve; then let the rays carry the solution once more, each from its own end, and solve for the
-    // difference: what the cells leave out is left out of a small correction only.
+    // Solve; then let the rays carry the solution on, each from its own end: what the cells leave out
+    // fades with every sweep.
     tell(progress, "solve")?;
     let (light, solved) = clock.time(engine, "solve", |engine| {
         let mut solve = |engine: &mut E, system: &System, start: Vec<NodeLight>| {
@@ -467,123 +370,4 @@ fn network<E: Engine>(
         Ok((light, solved))
     })?;
     Ok(Network { surface, light, cells, coefficients: built, solved, training, batches })
-}
-
-/// Node density of each tile: .2 + .8 g^(2/3), g = <rho B / d^2> from the pilot's rays. Slots, and walls
-/// beside lights, where irradiance changes over short distances, get more nodes.
-fn node_density<E: Engine>(
-    engine: &mut E,
-    geometry: &Geometry,
-    batches: &[E::Batch],
-    carried: &[f64],
-    nodes: usize,
-) -> Result<Vec<f64>> {
-    let spacing = (geometry.area / nodes.max(1) as f64).sqrt();
-    let mut g = vec![0.0; geometry.tiles as usize];
-    for batch in batches {
-        for ray in engine.points(batch)?.chunks_exact(2) {
-            if ray[0].kind != kind::FRONT {
-                continue;
-            }
-            let d: f64 = (0..3).map(|k| (ray[0].p[k] as f64 - ray[1].p[k] as f64).powi(2)).sum::<f64>().sqrt();
-            let close = d.max(spacing / 8.0).powi(-2);
-            for (y, x) in [(&ray[0], &ray[1]), (&ray[1], &ray[0])] {
-                let rho = mean(&material(geometry, y).rho.map(f64::from));
-                g[y.tile as usize] += y.weight as f64 * rho * carried[x.tile as usize] * close;
-            }
-        }
-    }
-
-    // Average over the tiles of one piece that share a box three tiles wide.
-    let width = 3.0 * (geometry.area / 20_000.0).sqrt();
-    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
-    let key = |t: usize| {
-        let c = nodes::tile_corners(geometry, t as u32);
-        let c = (c[0] + c[1] + c[2]) / 3.0;
-        let plane = geometry.tris[geometry.tile_tri[t] as usize].plane as i64;
-        [plane, (c.x as f64 / width).floor() as i64, (c.y as f64 / width).floor() as i64, (c.z as f64 / width).floor() as i64]
-    };
-    let keys: Vec<[i64; 4]> = (0..g.len()).map(key).collect();
-    for t in 0..g.len() {
-        let bin = bins.entry(keys[t]).or_default();
-        bin.0 += g[t];
-        bin.1 += geometry.tile_area(t);
-    }
-    let sharp: Vec<f64> = keys.iter().map(|k| (bins[k].0 / bins[k].1).powf(2.0 / 3.0)).collect();
-    let live: f64 = (0..sharp.len())
-        .filter(|&t| geometry.is_live(geometry.tile_tri[t] as usize))
-        .map(|t| sharp[t] * geometry.tile_area(t))
-        .sum();
-    let average = live / geometry.area;
-    Ok(sharp.iter().map(|s| 0.2 + 0.8 * if average > 0.0 { (s / average).min(30.0) } else { 1.0 }).collect())
-}
-
-/// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
-///
-/// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check.
-/// Back faces and black surfaces absorb what meets them.
-fn account<E: Engine>(engine: &mut E, geometry: &Geometry, params: &Params, network: &mut Network<E>) -> Result<Energy> {
-    let per_area = 1.0 / (geometry.emission_scale * geometry.scale * geometry.scale);
-    let mut emitted = [0.0; 3];
-    for e in &geometry.emitters {
-        let m = &geometry.materials[geometry.tris[e.tri as usize].material as usize];
-        for k in 0..3 {
-            emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
-        }
-    }
-    if emitted == [0.0; 3] {
-        return Ok(Energy { emitted: Some([0.0; 3]), absorbed: Some([0.0; 3]), escaped: Some([0.0; 3]), imbalance: Some(0.0) });
-    }
-    let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
-    let mut follow = |points: &[Point], sent: &dyn Fn(usize) -> [f64; 3]| {
-        for d in 0..points.len() {
-            let y = &points[d];
-            // One-way rays are stored at their start, so their receiver is the odd end.
-            let one_way = y.kind == kind::SKY || y.kind == kind::BACK;
-            let x = d ^ 1;
-            let w = if one_way { points[x].weight } else { y.weight } as f64;
-            if w <= 0.0 || (one_way && d % 2 == 0) {
-                continue;
-            }
-            let s = sent(x);
-            for k in 0..3 {
-                match y.kind {
-                    kind::SKY => escaped[k] += w * s[k],
-                    kind::BACK => absorbed[k] += w * s[k],
-                    _ => absorbed[k] += w * s[k] * (1.0 - material(geometry, y).rho[k] as f64),
-                }
-            }
-        }
-    };
-
-    // Light from emitters.
-    let mut shine = vec![0.0; geometry.tiles as usize];
-    let all = mean(&emitted);
-    for t in 0..shine.len() {
-        let m = &geometry.materials[geometry.tris[geometry.tile_tri[t] as usize].material as usize];
-        shine[t] = mean(&m.emit.map(f64::from)) / all;
-    }
-    let batch =
-        engine.emit(&tiles_of(geometry, &shine), stream(params.seed, Stream::Emission), 0, EMISSION_RAYS, EMISSION_RAYS)?;
-    let points = engine.points(&batch)?;
-    follow(&points, &|x| if points[x].tri == NONE { [0.0; 3] } else { material(geometry, &points[x]).emit.map(f64::from) });
-
-    // Reflected light.
-    engine.set_light(&network.light)?;
-    for batch in &mut network.batches {
-        engine.readout(batch)?;
-        let (points, h) = (engine.points(batch)?, engine.irradiance(batch)?);
-        let direct = if params.direct == Direct::Exact { engine.direct_sums(batch)? } else { Vec::new() };
-        follow(&points, &|x| {
-            if points[x].tri == NONE {
-                return [0.0; 3];
-            }
-            let rho = material(geometry, &points[x]).rho;
-            let d = direct.get(x).map_or([0.0; 3], DirectSum::mean);
-            [0, 1, 2].map(|k| rho[k] as f64 * (h[x][k] + d[k]) as f64)
-        });
-    }
-    let imbalance = (0..3).map(|k| emitted[k] - absorbed[k] - escaped[k]).sum::<f64>() / emitted.iter().sum::<f64>();
-    let watts = |x: [f64; 3]| Some(x.map(|v| v * per_area));
-    Ok(Energy { emitted: watts(emitted), absorbed: watts(absorbed), escaped: watts(escaped), imbalance: Some(imbalance) })
 }

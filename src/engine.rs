@@ -2,6 +2,7 @@
 //! in plain Rust, `crate::pass::GpuEngine` with compute shaders.
 
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::layout::{CellSums, DirectSum, NodeLight, NodeSource, Point, Psi, Tile};
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
@@ -10,6 +11,17 @@ use crate::twin::gather::Gathered;
 use crate::twin::jacobi::System;
 use crate::twin::winner::{Feature, Metric};
 use std::ops::Range;
+use std::sync::Arc;
+
+/// What a bake runs on.
+#[derive(Clone)]
+#[non_exhaustive]
+pub enum Backend {
+    /// The plain-Rust twins: slow, driver-free, the oracle. Never chosen silently.
+    Cpu,
+    /// Compute shaders on a device, the host's or one from [`crate::gpu::device::open`].
+    Gpu(Arc<Gpu>),
+}
 
 /// A machine that runs the passes over one prepared scene.
 ///

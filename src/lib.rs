@@ -48,9 +48,11 @@ pub mod radiosity;
 pub mod scene;
 pub mod shade;
 pub mod solution;
+mod stream;
 pub mod twin;
 
-pub use bake::{Backend, bake};
+pub use bake::bake;
+pub use engine::Backend;
 pub use error::{Error, Result};
 pub use params::{Direct, Params};
 pub use progress::{Event, Flow};

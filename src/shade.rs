@@ -1,12 +1,12 @@
 //! The read-out: radiosity at any surface points from a solved network (design §1, step 8). Like
 //! [`mod@crate::bake`], this file knows an order of passes, and nothing of how they run.
 
-use crate::bake::{Stream, stream};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
+use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 

@@ -2,7 +2,6 @@
 
 use super::flags::{self, Command};
 use super::log::Log;
-use crate::bake::{Backend, bake};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, device, device::BackendChoice};
 use crate::output::report::AdapterReport;
@@ -11,6 +10,7 @@ use crate::params::{Direct, Params};
 use crate::progress::{Event, Flow};
 use crate::scene::Scene;
 use crate::solution::{Answer, Camera, Solution, Status, SurfacePoint};
+use crate::{Backend, bake};
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

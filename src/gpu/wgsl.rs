@@ -14,7 +14,8 @@ macro_rules! sources {
 pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface"];
+pub const LIBS: &[(&str, &str)] =
+    sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface"];
 
 /// A kernel with its imports.
 #[derive(Clone, Debug)]

@@ -34,13 +34,12 @@ fn distance2(a: &Feature, b: &Feature) -> f32 {
     (0..FEATURE_DIM).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
 }
 
-/// Grows a network to `target` cells on the features of `batches`, whose rays each hold two directed
-/// rays. Epochs walk through the batches in turn, so that they see fresh rays as long as there are any.
+/// Grows a network to `target` cells on the features of `batches`, which hold `lengths` directed rays. Epochs walk through the batches in turn, so that they see fresh rays as long as there are any.
 /// Returns the cells, their topology, and what was done.
 pub fn grow<E: Engine>(
     engine: &mut E,
     batches: &mut [E::Batch],
-    batch_points: usize,
+    lengths: &[usize],
     target: usize,
     progress: &mut Progress,
 ) -> Result<(Vec<Feature>, Complex, Training)> {
@@ -48,7 +47,7 @@ pub fn grow<E: Engine>(
 
     // Start from three rays that count, far enough apart to span a triangle.
     let mut cells: Vec<Feature> = Vec::new();
-    let sample = engine.features(&batches[0], 0..batch_points.min(4096))?;
+    let sample = engine.features(&batches[0], 0..lengths[0].min(4096))?;
     for f in sample.iter().filter(|f| f.iter().any(|&x| x != 0.0)) {
         if cells.iter().all(|c| distance2(c, f) > 1e-4) {
             cells.push(*f);
@@ -69,10 +68,11 @@ pub fn grow<E: Engine>(
     let mut lloyd = 0;
     loop {
         // Show the cells their share of rays.
-        let want = (RAYS_PER_CELL * cells.len() * 2).clamp(512, batch_points);
-        if at + want > batch_points {
+        let share = (RAYS_PER_CELL * cells.len() * 2).max(512);
+        if at + share.min(lengths[batch]) > lengths[batch] {
             (batch, at) = ((batch + 1) % batches.len(), 0);
         }
+        let want = share.min(lengths[batch]);
         let range = at..at + want;
         at += want;
         engine.winner(&mut batches[batch], range.clone(), &cells)?;

@@ -3,3 +3,4 @@
 pub mod complex;
 pub mod growth;
 pub mod nodes;
+pub mod tiles;

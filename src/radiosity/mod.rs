@@ -2,4 +2,5 @@
 
 pub mod coefficients;
 pub mod components;
+pub mod energy;
 pub mod solver;

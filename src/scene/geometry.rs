@@ -3,7 +3,7 @@
 
 use super::Scene;
 use crate::error::{Error, Result};
-use crate::layout::{BvhNode, Emitter, Material, NONE, Tri};
+use crate::layout::{BvhNode, Emitter, Material, NONE, Point, Tri};
 use std::collections::HashMap;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
@@ -246,6 +246,11 @@ impl Geometry {
     pub fn is_live(&self, tri: usize) -> bool {
         let m = &self.materials[self.tris[tri].material as usize];
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
+    }
+
+    /// The material at a surface point.
+    pub fn material_at(&self, point: &Point) -> &Material {
+        &self.materials[self.tris[point.tri as usize].material as usize]
     }
 
     /// World position to local.

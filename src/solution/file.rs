@@ -196,7 +196,7 @@ fn check(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::Backend;
+    use crate::engine::Backend;
     use crate::progress::Flow;
     use crate::solution::SurfacePoint;
 

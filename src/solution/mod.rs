@@ -6,7 +6,7 @@ mod vertices;
 
 pub use picture::{Camera, Image};
 
-use crate::bake::Backend;
+use crate::engine::Backend;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::layout::{NONE, Node, NodeLight, Point};

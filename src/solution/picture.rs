@@ -1,7 +1,7 @@
 //! Pictures of a solution: rays from a pinhole camera, and light where they land.
 
 use super::Solution;
-use crate::bake::Backend;
+use crate::engine::Backend;
 use crate::error::{Error, Result};
 use crate::layout::{NONE, Point};
 use crate::params::Params;

@@ -1,7 +1,7 @@
 //! Light at the scene's vertices, for meshes with vertex colours.
 
 use super::Solution;
-use crate::bake::Backend;
+use crate::engine::Backend;
 use crate::error::Result;
 use crate::layout::Point;
 use crate::output::ply::{Mesh, Vertex};

@@ -1,0 +1,122 @@
+//! Tables over the tiles: where rays start, and how dense nodes lie (design §1, steps 1 and 4).
+
+use super::nodes::tile_corners;
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::{DirectSum, Point, Tile, kind};
+use crate::scene::Geometry;
+use crate::twin::direct::Samples;
+use crate::twin::math::seed_of;
+use std::collections::HashMap;
+
+/// Points in flight.
+const BATCH: usize = 65_536;
+
+/// The mean over the bands.
+pub fn mean(x: &[f64; 3]) -> f64 {
+    (x[0] + x[1] + x[2]) / 3.0
+}
+
+/// A random point of every tile.
+pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
+    use crate::twin::{math::unit, sobol::sobol4, trace};
+    (0..geometry.tiles)
+        .map(|t| {
+            let tri = geometry.tile_tri[t as usize];
+            let r = &geometry.tris[tri as usize];
+            let u = sobol4(t, seed);
+            let (b1, b2) = trace::place_in_tile(r.split, t - r.first_tile, unit(u[0]), unit(u[1]));
+            // The tile is known; rounding must not move the point to its neighbour.
+            Point { tile: t, kind: kind::FRONT, ..trace::surface_point(geometry, tri, b1, b2) }
+        })
+        .collect()
+}
+
+/// A first estimate of direct light at every tile's point.
+pub fn direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32) -> Result<Vec<DirectSum>> {
+    let mut sums = Vec::new();
+    for (i, chunk) in places.chunks(BATCH).enumerate() {
+        let mut batch = engine.upload(chunk)?;
+        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, 2, Samples { emitter: 6, cosine: 2 })?;
+        sums.extend(engine.direct_sums(&batch)?);
+    }
+    Ok(sums)
+}
+
+/// Start densities p = (1 - alpha)/A + alpha q over the live area, q proportional to `wanted` (a
+/// number each tile, per area). Uniform where nothing is wanted.
+pub fn starts(geometry: &Geometry, wanted: &[f64], alpha: f64) -> Vec<Tile> {
+    let live = |t: usize| geometry.is_live(geometry.tile_tri[t] as usize);
+    let total: f64 = (0..wanted.len()).filter(|&t| live(t)).map(|t| wanted[t] * geometry.tile_area(t)).sum();
+    let alpha = if total > 0.0 { alpha } else { 0.0 };
+    let density: Vec<f64> = (0..wanted.len())
+        .map(|t| match live(t) {
+            true => (1.0 - alpha) / geometry.area + if total > 0.0 { alpha * wanted[t] / total } else { 0.0 },
+            false => 0.0,
+        })
+        .collect();
+    distribution(geometry, &density)
+}
+
+/// A fixed-point cumulative distribution from densities that integrate to 1.
+pub fn distribution(geometry: &Geometry, density: &[f64]) -> Vec<Tile> {
+    let mut sum = 0.0;
+    let last = density.iter().rposition(|&d| d > 0.0).unwrap_or(0);
+    density
+        .iter()
+        .enumerate()
+        .map(|(t, &d)| {
+            sum += d * geometry.tile_area(t);
+            Tile { cdf: if t >= last { u32::MAX } else { (sum * 4294967296.0).min(4294967295.0) as u32 }, density: d as f32 }
+        })
+        .collect()
+}
+
+/// Node density of each tile: .2 + .8 g^(2/3), g = <rho B / d^2> from the pilot's rays. Slots, and walls
+/// beside lights, where irradiance changes over short distances, get more nodes.
+pub fn node_density<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    batches: &[E::Batch],
+    carried: &[f64],
+    nodes: usize,
+) -> Result<Vec<f64>> {
+    let spacing = (geometry.area / nodes.max(1) as f64).sqrt();
+    let mut g = vec![0.0; geometry.tiles as usize];
+    for batch in batches {
+        for ray in engine.points(batch)?.chunks_exact(2) {
+            if ray[0].kind != kind::FRONT {
+                continue;
+            }
+            let d: f64 = (0..3).map(|k| (ray[0].p[k] as f64 - ray[1].p[k] as f64).powi(2)).sum::<f64>().sqrt();
+            let close = d.max(spacing / 8.0).powi(-2);
+            for (y, x) in [(&ray[0], &ray[1]), (&ray[1], &ray[0])] {
+                let rho = mean(&geometry.material_at(y).rho.map(f64::from));
+                g[y.tile as usize] += y.weight as f64 * rho * carried[x.tile as usize] * close;
+            }
+        }
+    }
+
+    // Average over the tiles of one piece that share a box three tiles wide.
+    let width = 3.0 * (geometry.area / 20_000.0).sqrt();
+    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
+    let key = |t: usize| {
+        let c = tile_corners(geometry, t as u32);
+        let c = (c[0] + c[1] + c[2]) / 3.0;
+        let plane = geometry.tris[geometry.tile_tri[t] as usize].plane as i64;
+        [plane, (c.x as f64 / width).floor() as i64, (c.y as f64 / width).floor() as i64, (c.z as f64 / width).floor() as i64]
+    };
+    let keys: Vec<[i64; 4]> = (0..g.len()).map(key).collect();
+    for t in 0..g.len() {
+        let bin = bins.entry(keys[t]).or_default();
+        bin.0 += g[t];
+        bin.1 += geometry.tile_area(t);
+    }
+    let sharp: Vec<f64> = keys.iter().map(|k| (bins[k].0 / bins[k].1).powf(2.0 / 3.0)).collect();
+    let live: f64 = (0..sharp.len())
+        .filter(|&t| geometry.is_live(geometry.tile_tri[t] as usize))
+        .map(|t| sharp[t] * geometry.tile_area(t))
+        .sum();
+    let average = live / geometry.area;
+    Ok(sharp.iter().map(|s| 0.2 + 0.8 * if average > 0.0 { (s / average).min(30.0) } else { 1.0 }).collect())
+}
