@@ -8,8 +8,8 @@ use crate::gpu::{Access, Gpu, GpuVec, HEAVY, Kernel, LIGHT};
 use crate::layout::{CellFlux, DirectSum, NodeSums, Point, Psi, Slot};
 use crate::twin::coefficients::Sums;
 
-/// Slots a row starts with; doubled as long as any row is full.
-const SLOTS: usize = 128;
+/// Slots a row starts with at least, and at most where few cells leave room; doubled as long as any row is full.
+const SLOTS: [usize; 2] = [128, 512];
 /// Most slots a row may take: the loop budget.
 const MAX_SLOTS: usize = 2048;
 /// Bytes of rows that are summed at a time.
@@ -94,7 +94,9 @@ pub fn coefficients(
     rays: f32,
     cells: usize,
 ) -> Result<Sums> {
-    let mut slots = SLOTS;
+    // A full row does its round again: start with as many slots as rows for all cells have room for.
+    let room = ROW_BYTES / (2 * size_of::<Slot>() * cells.max(1));
+    let mut slots = (room.max(1).next_power_of_two() / 2).clamp(SLOTS[0], SLOTS[1]);
     let node_sums = gpu.alloc::<NodeSums>("node sums", surface.nodes.len())?;
     let overflow = gpu.alloc::<u32>("overflow", 1)?;
     let mut sums = Sums { gather: vec![], deposit: vec![], flux: flux(gpu, scene, batches, normalise, cells)?, nodes: vec![] };
