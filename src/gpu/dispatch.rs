@@ -7,6 +7,7 @@ use super::{Gpu, Kernel, Pipeline, kernel::WORKGROUP};
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Most items in a dispatch: what 65,535 workgroups serve.
 pub const MAX_CHUNK: u32 = 65_535 * WORKGROUP;
@@ -71,7 +72,8 @@ impl Gpu {
         let stride = (self.device.limits().min_uniform_buffer_offset_alignment as usize).max(size.next_multiple_of(16));
         let stride = stride.next_multiple_of(self.device.limits().min_uniform_buffer_offset_alignment as usize);
         let count = items.div_ceil(chunk) as usize;
-        let mut bytes = vec![0u8; stride * count.max(1)];
+        // One more slot stays empty: a dispatch of no items, for the driver's compiler.
+        let mut bytes = vec![0u8; stride * (count + 1)];
         let mut steps = Vec::with_capacity(count);
         for step in 0..count {
             let base = step as u32 * chunk;
@@ -108,7 +110,23 @@ impl Gpu {
                 })
             },
         )?;
-        Ok(Job { name: kernel.name, pipeline, bind_group, steps })
+        let job = Job { name: kernel.name, pipeline, bind_group, steps };
+        if job.pipeline.warm.get().is_none() {
+            self.warm_up(&job, (stride * count) as u32)?;
+        }
+        Ok(job)
+    }
+
+    /// Dispatches a kernel for no items and waits, so that its compiling is timed apart from its work.
+    fn warm_up(&self, job: &Job, empty: u32) -> Result<()> {
+        self.wait()?;
+        let start = Instant::now();
+        let empty =
+            Job { name: job.name, pipeline: job.pipeline.clone(), bind_group: job.bind_group.clone(), steps: vec![(empty, 1)] };
+        self.run_job(&empty)?;
+        self.wait()?;
+        job.pipeline.warm.get_or_init(|| start.elapsed().as_secs_f64());
+        Ok(())
     }
 
     /// Runs a job, one submission a dispatch, so that no submission is long. Does not wait.

@@ -2,7 +2,7 @@
 
 use super::{Gpu, wgsl};
 use crate::error::{Error, Result};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// Invocations in a workgroup, in every kernel.
@@ -33,8 +33,10 @@ pub struct Kernel {
 pub struct Pipeline {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
-    /// Seconds that the driver's compiler took.
+    /// Seconds to make the pipeline.
     pub seconds: f64,
+    /// Seconds of the first, empty dispatch: drivers put most of their compiling off until then.
+    pub(super) warm: OnceLock<f64>,
 }
 
 impl Gpu {
@@ -54,7 +56,7 @@ impl Gpu {
     /// Names and compile seconds of the kernels made so far, by name.
     pub fn compile_seconds(&self) -> Vec<(&'static str, f64)> {
         let cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
-        let mut all: Vec<_> = cache.iter().map(|(&name, p)| (name, p.seconds)).collect();
+        let mut all: Vec<_> = cache.iter().map(|(&name, p)| (name, p.seconds + p.warm.get().unwrap_or(&0.0))).collect();
         all.sort_by_key(|&(name, _)| name);
         all
     }
@@ -109,7 +111,7 @@ impl Gpu {
                 compilation_options: Default::default(),
                 cache: None,
             });
-            Pipeline { pipeline, layout, seconds: start.elapsed().as_secs_f64() }
+            Pipeline { pipeline, layout, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }
         })
     }
 }
