@@ -21,7 +21,6 @@ use crate::stream::{Stream, stream};
 use crate::twin::TwinEngine;
 use crate::twin::assign::Surface;
 use crate::twin::direct::Samples;
-use crate::twin::jacobi::System;
 use crate::twin::math::seed_of;
 use crate::twin::winner::{Feature, Metric};
 use std::collections::BTreeMap;
@@ -303,9 +302,8 @@ fn network<E: Engine>(
     }
 
     // Grow the cells, then let every ray find its own.
-    let (cells, complex, training) =
+    let (cells, training) =
         clock.time(engine, "grow", |engine| growth::grow(engine, &mut batches, &lengths, stage.cells as usize, progress))?;
-    drop(complex);
     clock.time(engine, "winner", |engine| {
         for (batch, &points) in batches.iter_mut().zip(&lengths) {
             engine.winner(batch, 0..points, &cells)?;
@@ -353,11 +351,9 @@ fn network<E: Engine>(
     // fades with every sweep.
     tell(progress, "solve")?;
     let (light, solved) = clock.time(engine, "solve", |engine| {
-        let mut solve = |engine: &mut E, system: &System, start: Vec<NodeLight>| {
-            engine.set_system(system)?;
-            solver::solve(engine, geometry, start, params.tolerance, params.max_sweeps, progress, names)
-        };
-        let (mut light, solved) = solve(engine, &built.system, vec![NodeLight::default(); surface.nodes.len()])?;
+        engine.set_system(&built.system)?;
+        let dark = vec![NodeLight::default(); surface.nodes.len()];
+        let (mut light, solved) = solver::solve(engine, geometry, dark, params.tolerance, params.max_sweeps, progress, names)?;
         for _ in 0..if exact { stage.refinements } else { 0 } {
             engine.set_light(&light)?;
             for batch in &mut batches {

@@ -32,8 +32,6 @@ pub(crate) struct Shade {
     pub irradiance: [f64; 3],
     /// Covered: no front face in sight, nor any emitter.
     pub covered: bool,
-    /// Whether a final gather was made.
-    pub gathered: bool,
 }
 
 /// Shades points with the surface and the light that are set on the engine. `spacing` is the node
@@ -84,13 +82,13 @@ fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points:
     let mut wanted = Vec::new();
     for i in 0..points.len() {
         let d = direct[i].mean().map(f64::from);
-        let covered = near[i].front == 0.0 && near[i].back >= 0.25 && d == [0.0; 3];
+        let covered = near[i].is_dead() && d == [0.0; 3];
         let irradiance = [0, 1, 2].map(|k| if covered { 0.0 } else { d[k] + network[i][k] as f64 });
         let close = near[i].nearness as f64 * params.gather_threshold * spacing > 1.0;
         if params.gather_rays > 0 && !covered && (close || psi[i].is_orphan()) {
             wanted.push(i);
         }
-        shades.push(Shade { direct: d, irradiance, covered, gathered: false });
+        shades.push(Shade { direct: d, irradiance, covered });
     }
 
     // Final gather where the network is not fine enough.
@@ -120,7 +118,6 @@ fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points:
                 s.direct = own[k].mean().map(f64::from);
             }
             s.irradiance = [0, 1, 2].map(|b| s.direct[b] + gathered[k].irradiance[b] as f64);
-            s.gathered = true;
         }
     }
     Ok(shades)

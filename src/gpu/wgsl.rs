@@ -40,11 +40,6 @@ fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
     list.iter().find(|(n, _)| *n == name).map(|&(_, text)| text)
 }
 
-/// The full text of a kernel. See [`compose_mapped`].
-pub fn compose(kernel: &str) -> String {
-    compose_mapped(kernel).source
-}
-
 /// The full text of a kernel and where its lines come from.
 ///
 /// Panics where the kernel or an import does not exist: the sources are embedded, so that is a

@@ -35,14 +35,14 @@ fn distance2(a: &Feature, b: &Feature) -> f32 {
 }
 
 /// Grows a network to `target` cells on the features of `batches`, which hold `lengths` directed rays. Epochs walk through the batches in turn, so that they see fresh rays as long as there are any.
-/// Returns the cells, their topology, and what was done.
+/// Returns the cells and what was done.
 pub fn grow<E: Engine>(
     engine: &mut E,
     batches: &mut [E::Batch],
     lengths: &[usize],
     target: usize,
     progress: &mut Progress,
-) -> Result<(Vec<Feature>, Complex, Training)> {
+) -> Result<(Vec<Feature>, Training)> {
     let mut training = Training::default();
 
     // Start from three rays that count, far enough apart to span a triangle.
@@ -98,7 +98,7 @@ pub fn grow<E: Engine>(
             break; // Deletion and insertion keep each other busy: what there is will do.
         }
     }
-    Ok((cells, complex, training))
+    Ok((cells, training))
 }
 
 /// Splits the longest edge of the cells with the highest resource, at most doubling the network.

@@ -3,8 +3,9 @@
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{Candidate, Node, Point};
-use crate::scene::Geometry;
+use crate::scene::{Geometry, cumulative};
 use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
+use crate::twin::gather::Gathered;
 use crate::twin::math::{invert_cdf, unit};
 use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_in_tile, surface_point};
@@ -90,18 +91,10 @@ fn k_means(places: &[Place], count: usize) -> Vec<usize> {
 
 /// Draws `count` surface points with the given weight per tile (0: never), in the order of tiles.
 pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32) -> Vec<Point> {
-    let total: f64 = weight.iter().sum();
-    if total <= 0.0 {
+    if !weight.iter().any(|&w| w > 0.0) {
         return Vec::new();
     }
-    let mut sum = 0.0;
-    let cdf: Vec<u32> = weight
-        .iter()
-        .map(|w| {
-            sum += w;
-            if sum >= total * (1.0 - 1e-12) { u32::MAX } else { (sum / total * 4294967296.0) as u32 }
-        })
-        .collect();
+    let cdf = cumulative(weight);
     let mut samples: Vec<[u32; 4]> = (0..count).map(|i| sobol4(i, seed)).collect();
     samples.sort_unstable();
     samples
@@ -116,13 +109,13 @@ pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32)
         .collect()
 }
 
-/// Which of the points are dead: no front face in sight, back faces in a quarter of all directions.
+/// Which of the points are dead; see [`Gathered::is_dead`].
 pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32) -> Result<Vec<bool>> {
     let mut dead = Vec::with_capacity(points.len());
     for chunk in points.chunks(32_768) {
         let batch = engine.upload(chunk)?;
         let hits = engine.shoot(&batch, seed, 0, DEAD_PROBES)?;
-        dead.extend(engine.gather(&hits, DEAD_PROBES, false, false)?.iter().map(|g| g.front == 0.0 && g.back >= 0.25));
+        dead.extend(engine.gather(&hits, DEAD_PROBES, false, false)?.iter().map(Gathered::is_dead));
     }
     Ok(dead)
 }
@@ -142,7 +135,7 @@ pub fn place_nodes<E: Engine>(
     // Only what reflects needs nodes; emitters that do not are read as B = E.
     let weight: Vec<f64> = (0..geometry.tiles as usize)
         .map(|t| {
-            let rho = geometry.materials[geometry.tris[geometry.tile_tri[t] as usize].material as usize].rho;
+            let rho = geometry.material_of(geometry.tile_tri[t] as usize).rho;
             if rho.iter().any(|&r| r > 0.0) { density[t] * geometry.tile_area(t) } else { 0.0 }
         })
         .collect();

@@ -4,7 +4,7 @@ use super::nodes::tile_corners;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point, Tile, kind};
-use crate::scene::Geometry;
+use crate::scene::{Geometry, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 use std::collections::HashMap;
@@ -60,16 +60,8 @@ pub fn starts(geometry: &Geometry, wanted: &[f64], alpha: f64) -> Vec<Tile> {
 
 /// A fixed-point cumulative distribution from densities that integrate to 1.
 pub fn distribution(geometry: &Geometry, density: &[f64]) -> Vec<Tile> {
-    let mut sum = 0.0;
-    let last = density.iter().rposition(|&d| d > 0.0).unwrap_or(0);
-    density
-        .iter()
-        .enumerate()
-        .map(|(t, &d)| {
-            sum += d * geometry.tile_area(t);
-            Tile { cdf: if t >= last { u32::MAX } else { (sum * 4294967296.0).min(4294967295.0) as u32 }, density: d as f32 }
-        })
-        .collect()
+    let shares: Vec<f64> = (0..density.len()).map(|t| density[t] * geometry.tile_area(t)).collect();
+    cumulative(&shares).into_iter().zip(density).map(|(cdf, &d)| Tile { cdf, density: d as f32 }).collect()
 }
 
 /// Node density of each tile: .2 + .8 g^(2/3), g = <rho B / d^2> from the pilot's rays. Slots, and walls

@@ -25,7 +25,7 @@ pub fn account<E: Engine>(
     let per_area = 1.0 / (geometry.emission_scale * geometry.scale * geometry.scale);
     let mut emitted = [0.0; 3];
     for e in &geometry.emitters {
-        let m = &geometry.materials[geometry.tris[e.tri as usize].material as usize];
+        let m = geometry.material_of(e.tri as usize);
         for k in 0..3 {
             emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
         }
@@ -59,7 +59,7 @@ pub fn account<E: Engine>(
     let mut shine = vec![0.0; geometry.tiles as usize];
     let all = mean(&emitted);
     for t in 0..shine.len() {
-        let m = &geometry.materials[geometry.tris[geometry.tile_tri[t] as usize].material as usize];
+        let m = geometry.material_of(geometry.tile_tri[t] as usize);
         shine[t] = mean(&m.emit.map(f64::from)) / all;
     }
     let batch = engine.emit(&distribution(geometry, &shine), seed, 0, EMISSION_RAYS, EMISSION_RAYS)?;

@@ -1,7 +1,7 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::Scene;
+use super::{Scene, cumulative};
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, Tri};
 use std::collections::HashMap;
@@ -203,16 +203,13 @@ impl Geometry {
             areas[t] * (e[0] + e[1] + e[2]) as f64
         };
         let shining: Vec<usize> = (0..tris.len()).filter(|&t| power(t) > 0.0).collect();
-        let all: f64 = shining.iter().map(|&t| power(t)).sum();
-        let mut sum = 0.0;
-        let emitters: Vec<Emitter> = shining
-            .iter()
-            .enumerate()
-            .map(|(k, &t)| {
-                sum += power(t);
-                let cdf = if k + 1 == shining.len() { u32::MAX } else { (sum / all * 4294967296.0).min(4294967295.0) as u32 };
-                Emitter { tri: t as u32, cdf, density: (power(t) / all / areas[t]) as f32, pad0: 0 }
-            })
+        let powers: Vec<f64> = shining.iter().map(|&t| power(t)).collect();
+        let all: f64 = powers.iter().sum();
+        let emitters: Vec<Emitter> = cumulative(&powers)
+            .into_iter()
+            .zip(&shining)
+            .zip(&powers)
+            .map(|((cdf, &t), p)| Emitter { tri: t as u32, cdf, density: (p / all / areas[t]) as f32, pad0: 0 })
             .collect();
 
         Ok(Geometry {
@@ -244,13 +241,18 @@ impl Geometry {
 
     /// Whether a triangle reflects or emits.
     pub fn is_live(&self, tri: usize) -> bool {
-        let m = &self.materials[self.tris[tri].material as usize];
+        let m = self.material_of(tri);
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
+    }
+
+    /// The material of a triangle.
+    pub fn material_of(&self, tri: usize) -> &Material {
+        &self.materials[self.tris[tri].material as usize]
     }
 
     /// The material at a surface point.
     pub fn material_at(&self, point: &Point) -> &Material {
-        &self.materials[self.tris[point.tri as usize].material as usize]
+        self.material_of(point.tri as usize)
     }
 
     /// World position to local.

@@ -1,9 +1,11 @@
 //! What is to be lit: triangles, materials, and their preparation for the passes. No wgpu here.
 
+mod distribution;
 mod geometry;
 mod obj;
 mod surface;
 
+pub use distribution::cumulative;
 pub use geometry::Geometry;
 pub use obj::load_obj;
 pub use surface::Located;

@@ -106,7 +106,7 @@ pub fn coefficients(
             }
         }
         // The emitter end sends by itself.
-        let material = &geometry.materials[geometry.tris[x.tri as usize].material as usize];
+        let material = geometry.material_at(x);
         let source = match direct {
             Some(direct) => Vec3::from(material.rho) * Vec3::from(direct[d ^ 1].mean()),
             None => Vec3::from(material.emit),

@@ -26,7 +26,7 @@ pub fn deposit(
         if y.kind != kind::FRONT {
             continue;
         }
-        let material = &geometry.materials[geometry.tris[points[d ^ 1].tri as usize].material as usize];
+        let material = geometry.material_at(&points[d ^ 1]);
         let h = light.get(d ^ 1).map_or(Vec3::ZERO, |h| Vec3::from_slice(&h[..3]));
         let sent = Vec3::from(material.rho) * (Vec3::from(direct[d ^ 1].mean()) + h);
         for k in 0..4 {

@@ -18,6 +18,13 @@ pub struct Gathered {
     pub back: f32,
 }
 
+impl Gathered {
+    /// Whether the point is dead: no front face in sight, back faces in a quarter of all directions.
+    pub fn is_dead(&self) -> bool {
+        self.front == 0.0 && self.back >= 0.25
+    }
+}
+
 /// Averages `rays` consecutive hits a point. `light` holds the network's irradiance at each hit;
 /// `direct` D at each hit where direct light is exact, `None` where the network carries it.
 /// With `light` empty only distances and shares are found.
@@ -35,7 +42,7 @@ pub fn gather(geometry: &Geometry, hits: &[Point], light: &[[f32; 4]], direct: O
                 g.back += (hit.kind == kind::BACK) as u32 as f32;
                 g.front += (hit.kind == kind::FRONT) as u32 as f32;
                 if hit.kind == kind::FRONT && !light.is_empty() {
-                    let rho = Vec3::from(geometry.materials[geometry.tris[hit.tri as usize].material as usize].rho);
+                    let rho = Vec3::from(geometry.material_at(hit).rho);
                     let d = direct.map_or(Vec3::ZERO, |d| Vec3::from(d[at].mean()));
                     sum += rho * (d + Vec3::from_slice(&light[at][..3]));
                 }

@@ -26,18 +26,6 @@ pub struct System {
     pub node_source: Vec<NodeLight>,
 }
 
-impl System {
-    /// The same transfer with no source, whose sweep returns moments instead of gradients.
-    pub fn without_source(&self) -> System {
-        System {
-            source: vec![[0.0; 4]; self.source.len()],
-            node_source: vec![NodeLight::default(); self.node_source.len()],
-            planes: self.planes.iter().map(|p| Plane { i11: 1.0, i12: 0.0, i22: 1.0, ..*p }).collect(),
-            ..self.clone()
-        }
-    }
-}
-
 /// beta of every cell.
 pub fn beta(system: &System, materials: &[Material], light: &[NodeLight]) -> Vec<[f32; 4]> {
     (0..system.source.len())
