@@ -1,8 +1,8 @@
-//! What can be asked for. Nothing is opened here; [`super::run`] does that.
+//! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use super::{adapters, bake, query, render};
+use clap::{Parser, Subcommand};
 use std::ffi::OsString;
-use std::path::PathBuf;
 
 /// Flags and commands that are promised but not built, and what to do meanwhile.
 const NOT_BUILT: &[(&str, &str)] = &[
@@ -51,156 +51,13 @@ pub struct Flags {
 #[derive(Subcommand)]
 pub enum Command {
     /// Train, solve, and write everything asked for into a folder.
-    Bake(Bake),
+    Bake(bake::Flags),
     /// Light at the points of a CSV file, from a solution.
-    Query(Query),
+    Query(query::Flags),
     /// A picture, from a solution or straight from a scene.
-    Render(Render),
+    Render(render::Flags),
     /// List what raycell can run on, and with which limits.
-    Adapters(Adapters),
-}
-
-#[derive(Args)]
-pub struct Bake {
-    /// Scene to light: an .obj file with its .mtl.
-    pub scene: PathBuf,
-    /// Folder for the results, made where it does not exist.
-    #[arg(short, long, value_name = "DIR", default_value = "out")]
-    pub output: PathBuf,
-    /// Also answer these points: CSV with px,py,pz,nx,ny,nz; written to points.csv.
-    #[arg(long, value_name = "FILE")]
-    pub points: Option<PathBuf>,
-    /// Also write vertices.ply, the radiosity at every vertex.
-    #[arg(long)]
-    pub vertices: bool,
-    #[command(flatten)]
-    pub camera: Camera,
-    #[command(flatten)]
-    pub network: Network,
-    #[command(flatten)]
-    pub device: Device,
-}
-
-#[derive(Args)]
-pub struct Query {
-    /// Solution that a bake has written.
-    pub solution: PathBuf,
-    /// Points: CSV with the columns px,py,pz,nx,ny,nz.
-    #[arg(long, value_name = "FILE")]
-    pub points: PathBuf,
-    /// Answers, row by row.
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    #[command(flatten)]
-    pub device: Device,
-}
-
-#[derive(Args)]
-pub struct Render {
-    /// Solution (.rcell), or a scene (.obj) to be baked first.
-    pub input: PathBuf,
-    /// Picture: .exr for linear radiance, .png for a tone-mapped one.
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    #[command(flatten)]
-    pub camera: Camera,
-    #[command(flatten)]
-    pub network: Network,
-    #[command(flatten)]
-    pub device: Device,
-}
-
-#[derive(Args)]
-pub struct Adapters {
-    #[command(flatten)]
-    pub device: Device,
-}
-
-/// Where the light is seen from. A file first, then the flags over it.
-#[derive(Args)]
-#[command(next_help_heading = "Camera")]
-pub struct Camera {
-    /// JSON file with camera{eye,target,up,vfov}; bake also renders picture.exr and picture.png.
-    #[arg(long, value_name = "FILE")]
-    pub camera: Option<PathBuf>,
-    /// Position, metres.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub eye: Option<[f64; 3]>,
-    /// Point looked at.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub target: Option<[f64; 3]>,
-    /// Upward direction [default: 0,1,0].
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub up: Option<[f64; 3]>,
-    /// Vertical field of view, degrees [default: 40].
-    #[arg(long, value_name = "DEGREES")]
-    pub vfov: Option<f64>,
-    /// Picture width, pixels [default: 512].
-    #[arg(long, value_name = "PIXELS")]
-    pub width: Option<u32>,
-    /// Picture height, pixels [default: 512].
-    #[arg(long, value_name = "PIXELS")]
-    pub height: Option<u32>,
-    /// What radiance is multiplied by in a PNG [default: from the picture].
-    #[arg(long, value_name = "FACTOR")]
-    pub exposure: Option<f64>,
-}
-
-/// How the network is trained.
-#[derive(Args)]
-#[command(next_help_heading = "Network")]
-pub struct Network {
-    /// Seed of every random sequence: same seed, same device, same bytes [default: 1].
-    #[arg(long)]
-    pub seed: Option<u32>,
-    /// Light rays, 1024 to 16777216 [default: 524288].
-    #[arg(long)]
-    pub rays: Option<u32>,
-    /// Cells of the network, 16 to 100000 [default: rays/512; with --direct network rays/128].
-    #[arg(long)]
-    pub cells: Option<u32>,
-    /// How light straight from emitters is carried [default: exact].
-    #[arg(long, value_enum)]
-    pub direct: Option<Direct>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Direct {
-    /// Sampled exactly at every point.
-    Exact,
-    /// Through the network like all other light.
-    Network,
-}
-
-/// What it runs on.
-#[derive(Args)]
-#[command(next_help_heading = "Device")]
-pub struct Device {
-    /// Graphics interface; cpu is the slow driver-free oracle and never chosen by auto.
-    #[arg(long, value_enum, default_value = "auto")]
-    pub backend: Backend,
-    /// Only adapters whose name contains this.
-    #[arg(long, value_name = "SUBSTRING")]
-    pub adapter: Option<String>,
-    /// Say nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Backend {
-    Auto,
-    Vulkan,
-    Metal,
-    Dx12,
-    Gl,
-    Cpu,
-}
-
-/// "x,y,z" as three finite numbers.
-fn vector(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
-    numbers.and_then(|v| v.try_into().ok()).ok_or_else(|| "give three numbers, as 1,2.5,-3".into())
+    Adapters(adapters::Flags),
 }
 
 #[cfg(test)]
@@ -223,13 +80,5 @@ mod tests {
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());
         assert!(not_built(&args("raycell bake -- --json")).is_none());
-    }
-
-    #[test]
-    fn vectors() {
-        assert_eq!(vector("1, -2.5,3e2"), Ok([1.0, -2.5, 300.0]));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
-            assert!(vector(bad).is_err(), "{bad}");
-        }
     }
 }

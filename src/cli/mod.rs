@@ -1,11 +1,16 @@
 //! The command line: flags, then a job, then files and an exit code.
 
+mod adapters;
+mod bake;
 mod flags;
 mod log;
-mod run;
+mod query;
+mod render;
+mod shared;
 
 use crate::error::Error;
 use clap::Parser;
+use flags::Command;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -32,7 +37,13 @@ pub fn run() -> ExitCode {
             return (e.exit_code() as u8).into();
         }
     };
-    match run::run(flags.command) {
+    let done = match flags.command {
+        Command::Bake(flags) => bake::run(flags),
+        Command::Query(flags) => query::run(flags),
+        Command::Render(flags) => render::run(flags),
+        Command::Adapters(flags) => adapters::run(flags),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {
             match &e {

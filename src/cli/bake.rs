@@ -1,0 +1,112 @@
+//! `raycell bake`: check everything that was given, train, solve, read out, and only then write.
+
+use super::log::Log;
+use super::shared::camera::{self, Camera};
+use super::shared::interrupt::{heed, interrupt};
+use super::shared::machine::{Device, Machine};
+use super::shared::network::{self, Network};
+use super::shared::points::off_surface;
+use crate::error::{Error, Result};
+use crate::output::{image, ply, points, report};
+use crate::progress::Event;
+use crate::scene::Scene;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(Args)]
+pub struct Flags {
+    /// Scene to light: an .obj file with its .mtl.
+    pub scene: PathBuf,
+    /// Folder for the results, made where it does not exist.
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    pub output: PathBuf,
+    /// Also answer these points: CSV with px,py,pz,nx,ny,nz; written to points.csv.
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Also write vertices.ply, the radiosity at every vertex.
+    #[arg(long)]
+    pub vertices: bool,
+    #[command(flatten)]
+    pub camera: Camera,
+    #[command(flatten)]
+    pub network: Network,
+    #[command(flatten)]
+    pub device: Device,
+}
+
+pub fn run(flags: Flags) -> Result<()> {
+    let begin = Instant::now();
+    let params = network::params(&flags.network)?;
+    let camera = camera::camera(&flags.camera)?;
+    let points_in = flags.points.as_deref().map(points::read).transpose()?;
+    let scene = Scene::load(&flags.scene)?;
+    let load = begin.elapsed();
+    check_folder(&flags.output)?;
+    let mut log = Log::new(flags.device.quiet);
+    let machine = Machine::open(&flags.device, &log)?;
+    let backend = &machine.backend;
+
+    let stop = interrupt();
+    let baked = crate::bake(backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
+    let mut solution = machine.judge("the bake", baked)?;
+
+    // Everything is read out before the first file appears.
+    let begin_readout = Instant::now();
+    log.event(&Event::Stage { name: "readout" });
+    let answers =
+        points_in.as_ref().map(|p| solution.query_with(backend, p, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let answers = machine.judge("the points", answers)?;
+    let picture = camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let picture = machine.judge("the picture", picture)?;
+    let mesh = flags.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let mesh = machine.judge("the vertices", mesh)?;
+    log.finish();
+    let readout = begin_readout.elapsed();
+
+    let dir = &flags.output;
+    std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
+    let wrote = |name: &str, note: &str| log.line(&format!("wrote {}{note}", dir.join(name).display()));
+    if let (Some(p), Some(a)) = (&points_in, &answers) {
+        points::write(&dir.join("points.csv"), p, a)?;
+        wrote("points.csv", &off_surface(a));
+    }
+    if let Some(mesh) = &mesh {
+        ply::write(&dir.join("vertices.ply"), mesh)?;
+        wrote("vertices.ply", "");
+    }
+    if let Some(picture) = &picture {
+        image::write(&dir.join("picture.exr"), picture, None)?;
+        wrote("picture.exr", " (linear radiance)");
+        let tone = image::write(&dir.join("picture.png"), picture, flags.camera.exposure)?;
+        wrote("picture.png", &tone.map_or(String::new(), |t| format!(" ({t})")));
+    }
+    solution.save(&dir.join("solution.rcell"))?;
+    wrote("solution.rcell", "");
+    let report = solution.report_mut();
+    report.adapter = machine.adapter;
+    report.memory_bytes.host = host_bytes();
+    let seconds = &mut report.seconds;
+    seconds.load = Some(load.as_secs_f64());
+    seconds.readout = Some(readout.as_secs_f64());
+    seconds.total = Some(begin.elapsed().as_secs_f64());
+    report::write(&dir.join("report.json"), solution.report())?;
+    wrote("report.json", "");
+    Ok(())
+}
+
+/// Most memory this process has held, where the system tells.
+fn host_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}
+
+/// Refuses a folder that cannot be one, before the work and without making it.
+fn check_folder(path: &Path) -> Result<()> {
+    if path.exists() && !path.is_dir() {
+        let source = std::io::Error::from(std::io::ErrorKind::NotADirectory);
+        return Err(Error::Write { path: path.into(), source });
+    }
+    Ok(())
+}

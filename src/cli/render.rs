@@ -1,0 +1,64 @@
+//! `raycell render`: a picture, from a solution or straight from a scene.
+
+use super::log::Log;
+use super::shared::camera::{self, Camera};
+use super::shared::interrupt::{heed, interrupt};
+use super::shared::machine::{Device, Machine};
+use super::shared::network::{self, Network};
+use crate::error::{Error, Result};
+use crate::output::image;
+use crate::progress::Event;
+use crate::scene::Scene;
+use crate::solution::Solution;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct Flags {
+    /// Solution (.rcell), or a scene (.obj) to be baked first.
+    pub input: PathBuf,
+    /// Picture: .exr for linear radiance, .png for a tone-mapped one.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub camera: Camera,
+    #[command(flatten)]
+    pub network: Network,
+    #[command(flatten)]
+    pub device: Device,
+}
+
+pub fn run(flags: Flags) -> Result<()> {
+    image::check_name(&flags.output)?;
+    let camera = camera::camera(&flags.camera)?.ok_or(Error::InvalidParam {
+        name: "camera",
+        value: "none".into(),
+        range: "give --eye and --target, or --camera FILE",
+    })?;
+    let mut log = Log::new(flags.device.quiet);
+    let stop = interrupt();
+    let is_solution = flags.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("rcell"));
+    let (machine, solution) = if is_solution {
+        let n = &flags.network;
+        if n.seed.is_some() || n.rays.is_some() || n.cells.is_some() || n.direct.is_some() {
+            log.warning("--seed, --rays, --cells and --direct shape a bake; this solution is already baked");
+        }
+        let solution = Solution::load(&flags.input)?;
+        (Machine::open(&flags.device, &log)?, solution)
+    } else {
+        let params = network::params(&flags.network)?;
+        let scene = Scene::load(&flags.input)?;
+        let machine = Machine::open(&flags.device, &log)?;
+        let baked = crate::bake(&machine.backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
+        let solution = machine.judge("the bake", baked)?;
+        (machine, solution)
+    };
+    log.event(&Event::Stage { name: "readout" });
+    let picture = solution.render_with(&machine.backend, &camera, &mut |event| heed(&mut log, &stop, event));
+    let picture = machine.judge("the picture", picture)?;
+    log.finish();
+    let tone = image::write(&flags.output, &picture, flags.camera.exposure)?;
+    let note = tone.map_or(" (linear radiance)".into(), |t| format!(" ({t})"));
+    log.line(&format!("wrote {}{note}", flags.output.display()));
+    Ok(())
+}

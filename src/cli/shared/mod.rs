@@ -1,0 +1,7 @@
+//! What several commands have in common: groups of flags, and what becomes of them.
+
+pub mod camera;
+pub mod interrupt;
+pub mod machine;
+pub mod network;
+pub mod points;

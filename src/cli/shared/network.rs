@@ -1,0 +1,47 @@
+//! How the network is trained: flags, and the parameters they make.
+
+use crate::error::Result;
+use crate::params::{self, Params};
+use clap::{Args, ValueEnum};
+
+/// How the network is trained.
+#[derive(Args)]
+#[command(next_help_heading = "Network")]
+pub struct Network {
+    /// Seed of every random sequence: same seed, same device, same bytes [default: 1].
+    #[arg(long)]
+    pub seed: Option<u32>,
+    /// Light rays, 1024 to 16777216 [default: 524288].
+    #[arg(long)]
+    pub rays: Option<u32>,
+    /// Cells of the network, 16 to 100000 [default: rays/512; with --direct network rays/128].
+    #[arg(long)]
+    pub cells: Option<u32>,
+    /// How light straight from emitters is carried [default: exact].
+    #[arg(long, value_enum)]
+    pub direct: Option<Direct>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Direct {
+    /// Sampled exactly at every point.
+    Exact,
+    /// Through the network like all other light.
+    Network,
+}
+
+pub fn params(flags: &Network) -> Result<Params> {
+    let default = Params::default();
+    let params = Params {
+        seed: flags.seed.unwrap_or(default.seed),
+        rays: flags.rays.unwrap_or(default.rays),
+        cells: flags.cells,
+        direct: flags.direct.map_or(default.direct, |d| match d {
+            Direct::Exact => params::Direct::Exact,
+            Direct::Network => params::Direct::Network,
+        }),
+        ..default
+    };
+    params.check()?;
+    Ok(params)
+}
