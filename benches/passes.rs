@@ -8,6 +8,7 @@ use raycell::engine::Engine;
 use raycell::gpu::{Gpu, device};
 use raycell::layout::{NodeLight, Tile};
 use raycell::network::nodes::place_nodes;
+use raycell::progress::Progress;
 use raycell::pass::GpuEngine;
 use raycell::radiosity::coefficients;
 use raycell::scene::Geometry;
@@ -62,7 +63,7 @@ impl Case {
             .collect();
         let mut engine = TwinEngine::new(&geometry);
         let density = vec![1.0; geometry.tiles as usize];
-        let surface = place_nodes(&mut engine, &geometry, &density, 400, params.lambda as f32, 5, true).unwrap();
+        let surface = place_nodes(&mut engine, &geometry, &density, 400, params.lambda as f32, 5, true, &mut Progress::new(&mut |_| Flow::Continue)).unwrap();
         let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda: params.lambda as f32, mu: params.mu as f32 };
         let brightness = vec![1.0; geometry.tiles as usize];
         let mut case = Case { geometry, tiles, surface, metric, brightness, system: System::default(), light: Vec::new() };

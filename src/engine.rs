@@ -51,6 +51,8 @@ pub trait Engine {
         rounds: u32,
         samples: Samples,
     ) -> Result<()>;
+    /// Sets direct light that was found earlier.
+    fn set_direct(&mut self, batch: &mut Self::Batch, sums: &[DirectSum]) -> Result<()>;
     /// The direct light found so far.
     fn direct_sums(&mut self, batch: &Self::Batch) -> Result<Vec<DirectSum>>;
 

@@ -11,7 +11,7 @@ use raycell::layout::{
 };
 use raycell::network::nodes::place_nodes;
 use raycell::pass::{self, GpuEngine, SceneBuffers, SurfaceBuffers};
-use raycell::progress::Flow;
+use raycell::progress::{Flow, Progress};
 use raycell::scene::{Geometry, Material};
 use raycell::twin::assign::Surface;
 use raycell::twin::direct::Samples;
@@ -200,7 +200,7 @@ fn case(points: usize) -> Case {
     let geometry = room();
     let tiles = tiles(&geometry);
     let density = vec![1.0; geometry.tiles as usize];
-    let surface = place_nodes(&mut TwinEngine::new(&geometry), &geometry, &density, 300, 0.3, 5, true).unwrap();
+    let surface = place_nodes(&mut TwinEngine::new(&geometry), &geometry, &density, 300, 0.3, 5, true, &mut Progress::new(&mut |_| Flow::Continue)).unwrap();
     let rays = points.div_ceil(2) as u32;
     let mut points_ = twin::emit::emit(&geometry, &tiles, 11, 0, rays, rays.max(1));
     points_.truncate(points.next_multiple_of(2));

@@ -143,6 +143,11 @@ impl Engine for GpuEngine<'_> {
         super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
     }
 
+    fn set_direct(&mut self, batch: &mut GpuBatch, sums: &[DirectSum]) -> Result<()> {
+        batch.direct = self.gpu.upload("direct", sums)?;
+        Ok(())
+    }
+
     fn direct_sums(&mut self, batch: &GpuBatch) -> Result<Vec<DirectSum>> {
         self.fetch(&batch.direct)
     }

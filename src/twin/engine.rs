@@ -81,6 +81,11 @@ impl Engine for TwinEngine<'_> {
         Ok(())
     }
 
+    fn set_direct(&mut self, batch: &mut TwinBatch, sums: &[DirectSum]) -> Result<()> {
+        batch.direct = sums.to_vec();
+        Ok(())
+    }
+
     fn direct_sums(&mut self, batch: &TwinBatch) -> Result<Vec<DirectSum>> {
         Ok(batch.direct.clone())
     }
