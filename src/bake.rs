@@ -6,6 +6,7 @@
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
 use crate::checkpoint::{Checkpoint, Key, Pilot, once};
+use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight, Tile};
@@ -109,15 +110,16 @@ pub fn bake_from(
     let bvh = start.elapsed().as_secs_f64();
     let resumed = !saved.is_empty();
     saved.claim(Key::new(backend, &geometry, params), &geometry)?;
-    for w in scene.warnings.iter().chain(&geometry.warnings) {
-        progress.event(Event::Warning(w.clone()))?;
+    let warnings = doctor::warnings(scene, &geometry);
+    for warning in &warnings {
+        progress.event(Event::Warning(warning.clone()))?;
     }
     let mut clock = Clock::default();
     match backend {
         Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
         Backend::Gpu(gpu) => run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?,
     }
-    let mut solution = saved.assemble(scene, &geometry, params);
+    let mut solution = saved.assemble(scene, &geometry, params, warnings);
 
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();

@@ -38,6 +38,7 @@ pub mod checkpoint;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+pub mod doctor;
 pub mod engine;
 pub mod error;
 pub mod gpu;

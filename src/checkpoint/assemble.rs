@@ -1,6 +1,7 @@
 //! A solution from what a bake has found, whole or as far as it came.
 
 use super::{Checkpoint, Network};
+use crate::doctor;
 use crate::error::Result;
 use crate::layout::{Node, NodeLight, Plane};
 use crate::network::nodes::surface_of;
@@ -17,24 +18,25 @@ impl Checkpoint {
     /// answered with direct light and what one final gather brings. Scene and parameters must be the bake's
     /// own. Errors: those of [`Scene::check`].
     pub fn solution(&self, scene: &Scene, params: &Params) -> Result<Solution> {
-        Ok(self.assemble(scene, &Geometry::new(scene)?, params))
+        let geometry = Geometry::new(scene)?;
+        Ok(self.assemble(scene, &geometry, params, doctor::warnings(scene, &geometry)))
     }
 
-    pub(crate) fn assemble(&self, scene: &Scene, geometry: &Geometry, params: &Params) -> Solution {
+    pub(crate) fn assemble(&self, scene: &Scene, geometry: &Geometry, params: &Params, warnings: Vec<String>) -> Solution {
         let net = &self.network;
         let mut report = Report {
             raycell: env!("CARGO_PKG_VERSION").into(),
             scene: SceneReport {
                 path: scene.name.clone(),
                 triangles: geometry.tris.len() as u64,
-                dropped: geometry.dropped as u64,
+                dropped: (geometry.degenerate.len() + geometry.duplicate.len()) as u64,
             },
             seed: params.seed,
             params: params.clone(),
             partial: !self.is_whole(),
             reached: self.reached(),
             energy: self.energy.clone().unwrap_or_default(),
-            warnings: scene.warnings.iter().chain(&geometry.warnings).cloned().collect(),
+            warnings,
             ..Report::default()
         };
         let (nodes, light, cells, system) = match (net, &self.pilot) {

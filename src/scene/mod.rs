@@ -7,7 +7,6 @@ mod surface;
 
 pub use distribution::cumulative;
 pub use geometry::Geometry;
-pub use obj::load_obj;
 pub use surface::Located;
 
 use crate::error::{Error, Result};
@@ -28,6 +27,21 @@ impl Material {
     /// A material.
     pub fn new(name: &str, reflectance: [f64; 3], emission: [f64; 3]) -> Material {
         Material { name: name.into(), reflectance, emission }
+    }
+
+    /// Checks that it can be lit: reflectances in [0, 1), emissions finite and >= 0.
+    ///
+    /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
+    pub fn check(&self) -> Result<()> {
+        for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
+            if !(0.0..1.0).contains(&self.reflectance[k]) {
+                return Err(Error::InvalidReflectance { material: self.name.clone(), band, value: self.reflectance[k] });
+            }
+            if !(self.emission[k].is_finite() && self.emission[k] >= 0.0) {
+                return Err(Error::InvalidEmission { material: self.name.clone(), band, value: self.emission[k] });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -64,7 +78,16 @@ impl Scene {
     ///
     /// Errors: [`Error::Read`], [`Error::Format`], and those of [`Scene::check`].
     pub fn load(path: impl AsRef<Path>) -> Result<Scene> {
-        load_obj(path.as_ref())
+        let scene = Scene::read(path)?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// [`Scene::load`] without [`Scene::check`], for [`crate::doctor`], who has more to say of a sick scene.
+    ///
+    /// Errors: [`Error::Read`], [`Error::Format`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Scene> {
+        obj::read_obj(path.as_ref())
     }
 
     /// A scene from triangles in memory: three corners (metres) and a material index each.
@@ -112,18 +135,7 @@ impl Scene {
                 });
             }
         }
-        const BANDS: [&str; 3] = ["red", "green", "blue"];
-        for m in &self.materials {
-            for k in 0..3 {
-                if !(0.0..1.0).contains(&m.reflectance[k]) {
-                    return Err(Error::InvalidReflectance { material: m.name.clone(), band: BANDS[k], value: m.reflectance[k] });
-                }
-                if !(m.emission[k].is_finite() && m.emission[k] >= 0.0) {
-                    return Err(Error::InvalidEmission { material: m.name.clone(), band: BANDS[k], value: m.emission[k] });
-                }
-            }
-        }
-        Ok(())
+        self.materials.iter().try_for_each(Material::check)
     }
 
     /// The corners of a triangle, metres.

@@ -19,8 +19,8 @@ const ONE: f64 = 1.0 + 1e-6;
 /// Reads an OBJ file with its materials. Faces of more than three corners are cut into fans.
 ///
 /// Errors: [`Error::Read`], [`Error::Format`], [`Error::InvalidVertex`] and [`Error::IndexOutOfRange`]
-/// with file and line, and those of [`Scene::check`].
-pub fn load_obj(path: &Path) -> Result<Scene> {
+/// with file and line.
+pub fn read_obj(path: &Path) -> Result<Scene> {
     let text = read_text(path)?;
     let place = |line: usize| format!("{}:{line}", path.display());
     let mut scene = Scene { name: path.display().to_string(), ..Scene::default() };
@@ -99,7 +99,6 @@ pub fn load_obj(path: &Path) -> Result<Scene> {
     if concave > 0 {
         scene.warnings.push(format!("{concave} polygon(s) cannot be cut into a fan without overlap; triangulate on export"));
     }
-    scene.check()?;
     Ok(scene)
 }
 
@@ -285,7 +284,7 @@ mod tests {
         }
         let path = dir.path().join("s.obj");
         std::fs::write(&path, obj).unwrap();
-        load_obj(&path)
+        Scene::load(&path)
     }
 
     fn message(obj: &str, mtl: Option<&str>) -> String {
@@ -392,6 +391,6 @@ mod tests {
             }
             let _ = load(&text, None);
         }
-        assert!(matches!(load_obj(Path::new("no/such.obj")), Err(Error::Read { .. })));
+        assert!(matches!(Scene::load("no/such.obj"), Err(Error::Read { .. })));
     }
 }

@@ -1,0 +1,132 @@
+//! Bakes that are stopped and go on: wherever that happens, the bytes are those of a bake that was not stopped.
+//!
+//! Without any adapter the tests pass with a note, unless `RAYCELL_REQUIRE_GPU` is set.
+
+use raycell::gpu::{Gpu, device};
+use raycell::output::{ply, points};
+use raycell::twin::math::hash;
+use raycell::{Backend, Checkpoint, Error, Event, Flow, Params, Scene, Solution, SurfacePoint, bake_from};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Rays of the quick test: two whole batches and a ragged one.
+const RAYS: u32 = 150_000;
+
+/// A device, or a note that there is none.
+fn gpu() -> Option<Backend> {
+    match device::open(device::BackendChoice::Auto, None) {
+        Ok(open) => Some(Backend::Gpu(Arc::new(Gpu::new(&open.device, &open.queue).unwrap()))),
+        Err(e) => {
+            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
+            eprintln!("skipped: {e}");
+            None
+        }
+    }
+}
+
+fn root(path: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// A bake with its read-out, and what is asked of it.
+struct Job {
+    backend: Backend,
+    scene: Scene,
+    params: Params,
+    points: Vec<SurfacePoint>,
+}
+
+impl Job {
+    fn cornell(backend: Backend, rays: u32) -> Job {
+        let mut points = points::read(&root("tests/data/cornell.truth.csv")).unwrap();
+        points.truncate(64);
+        let scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
+        Job { backend, scene, params: Params { rays, ..Params::default() }, points }
+    }
+
+    /// Bakes and reads out as the program does: the bytes of solution.rcell, points.csv and vertices.ply.
+    fn run(&self, saved: &mut Checkpoint, dir: &Path, tell: &mut dyn FnMut(&Event) -> Flow) -> raycell::Result<[Vec<u8>; 3]> {
+        let solution = bake_from(&self.backend, &self.scene, &self.params, saved, tell)?;
+        let answers = solution.query_with(&self.backend, &self.points, tell)?;
+        let mesh = solution.vertices_with(&self.backend, tell)?;
+        let paths = ["solution.rcell", "points.csv", "vertices.ply"].map(|name| dir.join(name));
+        solution.save(&paths[0])?;
+        points::write(&paths[1], &self.points, &answers)?;
+        ply::write(&paths[2], &mesh)?;
+        Ok(paths.map(|path| std::fs::read(path).unwrap()))
+    }
+
+    /// Stops at each of `moments` random events in a bake of its own, goes on from the file, and compares.
+    fn is_the_same_wherever_it_stops(&self, moments: u32, seed: u32) {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("checkpoint.rcell");
+        let mut events = 0;
+        let straight = self
+            .run(&mut Checkpoint::default(), dir.path(), &mut |_| {
+                events += 1;
+                Flow::Continue
+            })
+            .unwrap();
+        let mut reached = std::collections::BTreeSet::new();
+        for moment in 0..moments {
+            let last = hash(seed + moment) % events;
+            let (mut left, mut saved) = (last, Checkpoint::default());
+            let stopped = self.run(&mut saved, dir.path(), &mut |_| {
+                left = left.wrapping_sub(1);
+                if left == u32::MAX { Flow::Stop } else { Flow::Continue }
+            });
+            assert!(matches!(stopped, Err(Error::Cancelled)), "event {last}");
+            saved.save(&file).unwrap();
+            let size = std::fs::metadata(&file).unwrap().len();
+            let mut again = Checkpoint::load(&file).unwrap();
+            assert_eq!(again.reached(), saved.reached());
+            let bytes = self.run(&mut again, dir.path(), &mut |_| Flow::Continue).unwrap();
+            let where_ = saved.reached().unwrap_or("read-out".into());
+            eprintln!("stopped at event {last} of {events} ({where_}, {size} bytes)");
+            for (k, name) in ["solution.rcell", "points.csv", "vertices.ply"].iter().enumerate() {
+                assert!(bytes[k] == straight[k], "{name} differs after a stop at event {last} ({where_})");
+            }
+            reached.insert(where_);
+        }
+        assert!(reached.len() > moments as usize / 3, "the moments lie apart: {reached:?}");
+    }
+}
+
+#[test]
+fn stopped_at_twenty_moments_cornell_gives_the_same_bytes() {
+    let Some(backend) = gpu() else { return };
+    Job::cornell(backend, RAYS).is_the_same_wherever_it_stops(20, 7);
+}
+
+/// The same with default settings: minutes.
+#[test]
+#[ignore = "takes minutes: cargo test --release --test resume -- --ignored"]
+fn stopped_at_twenty_moments_a_default_bake_gives_the_same_bytes() {
+    let Some(backend) = gpu() else { return };
+    Job::cornell(backend, Params::default().rays).is_the_same_wherever_it_stops(20, 1);
+}
+
+/// Events are the moments at which a user can stop a bake, so none may be far from the next.
+#[test]
+fn moments_to_stop_at_come_often() {
+    let Some(backend) = gpu() else { return };
+    let job = Job::cornell(backend, Params::default().rays);
+    let dir = tempfile::tempdir().unwrap();
+    let (mut last, mut gaps) = ((Instant::now(), String::from("beginning")), Vec::new());
+    let mut pace = |e: &Event| {
+        let now = Instant::now();
+        let name = format!("{e:?}");
+        gaps.push((now - last.0, format!("{} .. {name}", last.1)));
+        last = (now, name);
+        Flow::Continue
+    };
+    // Compiled kernels first: a driver's compiler cannot be stopped.
+    job.run(&mut Checkpoint::default(), dir.path(), &mut |_| Flow::Continue).unwrap();
+    job.run(&mut Checkpoint::default(), dir.path(), &mut pace).unwrap();
+    gaps.sort();
+    gaps.reverse();
+    for (gap, name) in gaps.iter().take(12) {
+        eprintln!("{:6.3} s  {name}", gap.as_secs_f64());
+    }
+}
