@@ -117,7 +117,9 @@ pub fn bake_from(
     let mut clock = Clock::default();
     match backend {
         Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
-        Backend::Gpu(gpu) => run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?,
+        Backend::Gpu(gpu) => {
+            run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
+        }
     }
     let mut solution = saved.assemble(scene, &geometry, params, warnings);
 
@@ -195,8 +197,8 @@ fn run<E: Engine>(
     // Where did every watt go?
     let seed = stream(params.seed, Stream::Emission);
     let light = &saved.network.light;
-    let energy = clock
-        .time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, &mut batches, progress))?;
+    let energy =
+        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, &mut batches, progress))?;
     saved.energy = Some(energy);
     saved.network.direct = Vec::new();
     clock.compile = engine.compile_seconds();
@@ -218,7 +220,8 @@ fn pilot<E: Engine>(
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
     let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
-    let direct = once(&mut saved.tiles, || clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, progress)))?;
+    let direct =
+        once(&mut saved.tiles, || clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, progress)))?;
     let exact = params.direct == Direct::Exact;
     let sent: Vec<[f64; 3]> = (0..places.len())
         .map(|t| {
@@ -290,9 +293,7 @@ fn network<E: Engine>(
             engine.set_surface(&surface)?;
             Ok(surface)
         }
-        None => {
-            nodes::place_nodes(engine, geometry, stage.density, stage.nodes, lambda, node_seed, stage.told, progress)
-        }
+        None => nodes::place_nodes(engine, geometry, stage.density, stage.nodes, lambda, node_seed, stage.told, progress),
     })?;
     saved.network.nodes = Some(surface.nodes.clone());
     saved.keep(progress)?;
@@ -310,6 +311,7 @@ fn network<E: Engine>(
         let mut batch = clock.time(engine, "emit", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
         progress.tick()?;
         let net = &mut saved.network;
+        net.rays = net.rays.max(first + count);
         if exact {
             let ends = 2 * first as usize..2 * (first + count) as usize;
             clock.time(engine, "direct", |engine| match net.direct.get(ends) {
@@ -323,7 +325,6 @@ fn network<E: Engine>(
             })?;
             progress.tick()?;
         }
-        net.rays = net.rays.max(first + count);
         clock.time(engine, "assign", |engine| engine.assign(&mut batch))?;
         if net.coefficients.is_none() {
             clock.time(engine, "train", |engine| engine.feature(&mut batch, metric, &brightness))?;
@@ -388,8 +389,7 @@ fn network<E: Engine>(
         tell(progress, "coefficients")?;
         let built = clock.time(engine, "coefficients", |engine| {
             let normalise = normalise(geometry, params);
-            let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count)?;
-            progress.tick()?;
+            let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
             engine.set_surface(&surface)?;

@@ -149,7 +149,9 @@ pub enum Error {
         what: String,
     },
     /// A checkpoint of another bake.
-    #[error("{place}: this checkpoint is of another bake: {what}; ask for the same as then, or bake from the beginning (without --resume)")]
+    #[error(
+        "{place}: this checkpoint is of another bake: {what}; ask for the same as then, or bake from the beginning (without --resume)"
+    )]
     OtherBake {
         /// The file, or "the checkpoint".
         place: PathBuf,

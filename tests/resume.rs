@@ -107,26 +107,35 @@ fn stopped_at_twenty_moments_a_default_bake_gives_the_same_bytes() {
     Job::cornell(backend, Params::default().rays).is_the_same_wherever_it_stops(20, 1);
 }
 
-/// Events are the moments at which a user can stop a bake, so none may be far from the next.
+/// Events are the moments at which a user can stop a bake, so none may be far from the next: half a second
+/// on a machine that does nothing else, on which such a bake takes eight.
 #[test]
-fn moments_to_stop_at_come_often() {
+fn no_stop_waits_long() {
     let Some(backend) = gpu() else { return };
     let job = Job::cornell(backend, Params::default().rays);
     let dir = tempfile::tempdir().unwrap();
-    let (mut last, mut gaps) = ((Instant::now(), String::from("beginning")), Vec::new());
-    let mut pace = |e: &Event| {
-        let now = Instant::now();
-        let name = format!("{e:?}");
-        gaps.push((now - last.0, format!("{} .. {name}", last.1)));
-        last = (now, name);
-        Flow::Continue
-    };
-    // Compiled kernels first: a driver's compiler cannot be stopped.
-    job.run(&mut Checkpoint::default(), dir.path(), &mut |_| Flow::Continue).unwrap();
-    job.run(&mut Checkpoint::default(), dir.path(), &mut pace).unwrap();
-    gaps.sort();
-    gaps.reverse();
-    for (gap, name) in gaps.iter().take(12) {
-        eprintln!("{:6.3} s  {name}", gap.as_secs_f64());
+    // Every gap by its last event and place; the shortest of three, for what else runs on this machine. The first run
+    // compiles kernels, and a driver's compiler cannot be stopped.
+    let mut least: Vec<(Duration, String)> = Vec::new();
+    let mut totals = Vec::new();
+    for _ in 0..3 {
+        let (begin, mut last, mut stage, mut gaps) = (Instant::now(), Instant::now(), String::new(), Vec::new());
+        let mut pace = |e: &Event| {
+            if *e != Event::Tick {
+                stage = format!("{e:?}");
+            }
+            gaps.push((last.elapsed(), format!("{} after {stage}", gaps.len())));
+            last = Instant::now();
+            Flow::Continue
+        };
+        job.run(&mut Checkpoint::default(), dir.path(), &mut pace).unwrap();
+        totals.push(begin.elapsed());
+        least = if least.is_empty() { gaps } else { least.into_iter().zip(gaps).map(|(a, b)| a.min(b)).collect() };
     }
+    least.sort();
+    let total = totals.iter().min().unwrap();
+    for (gap, place) in least.iter().rev().take(8) {
+        eprintln!("{:6.3} s of {:.1} s: {place}", gap.as_secs_f64(), total.as_secs_f64());
+    }
+    assert!(least.last().unwrap().0 < *total / 12, "{:?} of {total:?}", least.last());
 }

@@ -56,8 +56,7 @@ impl Checkpoint {
             pilot: self.pilot.is_some(),
             nodes: net.nodes.is_some(),
             rays: net.rays,
-            growth: growth
-                .map(|g| GrowthHeader { training: g.training, batch: g.batch, at: g.at, lloyd: g.lloyd, done: g.done }),
+            growth: growth.map(|g| GrowthHeader { training: g.training, batch: g.batch, at: g.at, lloyd: g.lloyd, done: g.done }),
             coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped)),
             solved: net.solved,
             refined: net.refined,
@@ -193,7 +192,8 @@ impl Checkpoint {
         }
         if let Some(g) = &net.growth {
             let batches = rays.div_ceil(crate::bake::BATCH) as usize;
-            if !finite(g.cells.as_flattened()) || g.batch >= batches || g.at > 2 * crate::bake::BATCH as usize || cells > 200_000 {
+            if !finite(g.cells.as_flattened()) || g.batch >= batches || g.at > 2 * crate::bake::BATCH as usize || cells > 200_000
+            {
                 return Err("its cells hold numbers that cannot be");
             }
         }
@@ -204,7 +204,8 @@ impl Checkpoint {
             }
         }
         // Each step rests on the ones before it.
-        let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), net.growth.is_some(), net.nodes.is_some()];
+        let steps =
+            [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), net.growth.is_some(), net.nodes.is_some()];
         if !steps.is_sorted() || (self.energy.is_some() && self.pilot.is_none()) {
             return Err("a step is there without those before it");
         }

@@ -204,10 +204,9 @@ impl Container {
         let (entry, range) = found.ok_or_else(|| self.fail(&format!("section '{name}' is missing")))?;
         if entry.stride != size_of::<T>() as u64 || entry.kind != kind::<T>() || range.len() % size_of::<T>().max(1) != 0 {
             let (there, asked) = ((&entry.kind, entry.stride), (kind::<T>(), size_of::<T>()));
-            return Err(self.fail(&format!(
-                "section '{name}' holds {} of {} bytes, not {} of {}",
-                there.0, there.1, asked.0, asked.1
-            )));
+            return Err(
+                self.fail(&format!("section '{name}' holds {} of {} bytes, not {} of {}", there.0, there.1, asked.0, asked.1))
+            );
         }
         Ok(bytemuck::pod_collect_to_vec(&self.bytes[range.clone()]))
     }

@@ -223,12 +223,21 @@ impl Engine for GpuEngine<'_> {
         self.fetch(&moved)
     }
 
-    fn coefficients(&mut self, batches: &[GpuBatch], exact: bool, normalise: f32, rays: f32, cells: usize) -> Result<Sums> {
+    fn coefficients(
+        &mut self,
+        batches: &[GpuBatch],
+        exact: bool,
+        normalise: f32,
+        rays: f32,
+        cells: usize,
+        beat: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<Sums> {
         let batches: Vec<Rays> = batches
             .iter()
             .map(|b| Rays { points: &b.points, psi: &b.psi, winners: &b.winners, direct: exact.then_some(&b.direct) })
             .collect();
-        let sums = super::coefficients::coefficients(self.gpu, &self.scene, &self.surface, &batches, normalise, rays, cells)?;
+        let sums =
+            super::coefficients::coefficients(self.gpu, &self.scene, &self.surface, &batches, normalise, rays, cells, beat)?;
         self.gpu.check_finished()?;
         Ok(sums)
     }

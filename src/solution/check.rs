@@ -58,7 +58,8 @@ pub(crate) fn system(geometry: &Geometry, system: &System, nodes: usize) -> Chec
             && links.iter().all(|l| (l.other as usize) < others && finite(&[l.value, l.first, l.second]))
     };
     let cells = system.source.len();
-    if !rows(&system.cell_offsets, &system.cell_links, cells, nodes) || !rows(&system.node_offsets, &system.node_links, nodes, cells)
+    if !rows(&system.cell_offsets, &system.cell_links, cells, nodes)
+        || !rows(&system.node_offsets, &system.node_links, nodes, cells)
     {
         return Err("the coefficients do not fit the network");
     }
