@@ -62,9 +62,11 @@ pub enum Error {
     },
     /// A reflectance outside [0, 1).
     #[error(
-        "material '{material}': reflectance {value} in the {band} band is not in [0, 1); lower Kd below 1 (a white wall is about 0.85)"
+        "{place}: material '{material}': reflectance {value} in the {band} band is not in [0, 1); lower it below 1 (a white wall is about 0.85)"
     )]
     InvalidReflectance {
+        /// File and line, or the scene's name.
+        place: String,
         /// The material's name.
         material: String,
         /// red, green or blue.
@@ -73,8 +75,10 @@ pub enum Error {
         value: f64,
     },
     /// An emission that is negative or not finite.
-    #[error("material '{material}': emission {value} in the {band} band is not a finite number >= 0; correct Ke")]
+    #[error("{place}: material '{material}': emission {value} in the {band} band is not a finite number >= 0; correct it")]
     InvalidEmission {
+        /// File and line, or the scene's name.
+        place: String,
         /// The material's name.
         material: String,
         /// red, green or blue.

@@ -2,16 +2,21 @@
 
 mod distribution;
 mod geometry;
+mod load;
+mod mtl;
 mod obj;
+mod polygon;
+mod sides;
 mod surface;
+mod text;
 
 pub use distribution::cumulative;
 pub use geometry::Geometry;
-pub use obj::load_obj;
+pub use load::{KdSpace, LoadOptions, Up};
 pub use surface::Located;
 
 use crate::error::{Error, Result};
-use std::path::Path;
+use crate::solution::Camera;
 
 /// A diffuse material in user units, linear Rec.709 RGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +47,15 @@ pub struct Face {
     pub object: u32,
 }
 
+/// A camera of a scene file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Its name in the file.
+    pub name: String,
+    /// The camera, metres.
+    pub camera: Camera,
+}
+
 /// A scene as its author wrote it: metres, f64, one-sided triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -55,18 +69,13 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Object names, for messages.
     pub objects: Vec<String>,
+    /// Cameras the file holds, in its order.
+    pub cameras: Vec<View>,
     /// What was odd on reading, in words for the user.
     pub warnings: Vec<String>,
 }
 
 impl Scene {
-    /// Reads a scene file (`.obj` with its `.mtl`).
-    ///
-    /// Errors: [`Error::Read`], [`Error::Format`], and those of [`Scene::check`].
-    pub fn load(path: impl AsRef<Path>) -> Result<Scene> {
-        load_obj(path.as_ref())
-    }
-
     /// A scene from triangles in memory: three corners (metres) and a material index each.
     ///
     /// Errors: those of [`Scene::check`].
@@ -112,22 +121,25 @@ impl Scene {
                 });
             }
         }
-        const BANDS: [&str; 3] = ["red", "green", "blue"];
-        for m in &self.materials {
-            for k in 0..3 {
-                if !(0.0..1.0).contains(&m.reflectance[k]) {
-                    return Err(Error::InvalidReflectance { material: m.name.clone(), band: BANDS[k], value: m.reflectance[k] });
-                }
-                if !(m.emission[k].is_finite() && m.emission[k] >= 0.0) {
-                    return Err(Error::InvalidEmission { material: m.name.clone(), band: BANDS[k], value: m.emission[k] });
-                }
-            }
-        }
-        Ok(())
+        self.materials.iter().try_for_each(|m| check_material(m, &self.name))
     }
 
     /// The corners of a triangle, metres.
     pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
         self.faces[face].vertices.map(|v| self.vertices[v as usize])
     }
+}
+
+/// Checks a material's values. Errors: [`Error::InvalidReflectance`] and [`Error::InvalidEmission`], with `place`.
+fn check_material(m: &Material, place: &str) -> Result<()> {
+    for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
+        let (place, material) = (place.to_string(), m.name.clone());
+        if !(0.0..1.0).contains(&m.reflectance[k]) {
+            return Err(Error::InvalidReflectance { place, material, band, value: m.reflectance[k] });
+        }
+        if !(m.emission[k].is_finite() && m.emission[k] >= 0.0) {
+            return Err(Error::InvalidEmission { place, material, band, value: m.emission[k] });
+        }
+    }
+    Ok(())
 }
