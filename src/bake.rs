@@ -5,6 +5,7 @@
 //! 3. Full network: rays by importance, nodes where light changes quickly, cells grown on the rays.
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
+use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::layout::{NodeLight, Tile};
@@ -98,8 +99,8 @@ pub fn bake(backend: &Backend, scene: &Scene, params: &Params, progress: &mut dy
     let start = Instant::now();
     let geometry = Geometry::new(scene)?;
     let bvh = start.elapsed().as_secs_f64();
-    for w in scene.warnings.iter().chain(&geometry.warnings) {
-        progress.event(Event::Warning(w.clone()))?;
+    for warning in doctor::warnings(scene, &geometry) {
+        progress.event(Event::Warning(warning))?;
     }
     let mut solution = match backend {
         Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, &mut progress)?,
@@ -210,7 +211,11 @@ fn run<E: Engine>(
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let mut report = Report {
         raycell: env!("CARGO_PKG_VERSION").into(),
-        scene: SceneReport { path: scene.name.clone(), triangles: geometry.tris.len() as u64, dropped: geometry.dropped as u64 },
+        scene: SceneReport {
+            path: scene.name.clone(),
+            triangles: geometry.tris.len() as u64,
+            dropped: (geometry.degenerate.len() + geometry.duplicate.len()) as u64,
+        },
         seed: params.seed,
         params: params.clone(),
         cells: full.coefficients.system.source.len() as u64,
@@ -232,7 +237,7 @@ fn run<E: Engine>(
             error_bound: Some(full.solved.error_bound),
         },
         energy,
-        warnings: scene.warnings.iter().chain(&geometry.warnings).cloned().collect(),
+        warnings: doctor::warnings(scene, geometry),
         ..Report::default()
     };
     report.memory_bytes.device = Some(engine.device_bytes());

@@ -34,6 +34,14 @@ pub enum Error {
         /// What to do.
         cure: String,
     },
+    /// A scene that is odd, where the caller wants none.
+    #[error("{what}; {cure}, or leave --strict out")]
+    Strict {
+        /// The first warning: file, line, and what is odd.
+        what: String,
+        /// What to do.
+        cure: String,
+    },
     /// The scene holds no triangle with an area.
     #[error("{scene}: the scene has no triangle with an area; export faces, not only points or lines")]
     EmptyScene {

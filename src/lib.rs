@@ -35,6 +35,7 @@ pub mod bake;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+pub mod doctor;
 pub mod engine;
 pub mod error;
 pub mod gpu;

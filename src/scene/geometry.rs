@@ -5,6 +5,7 @@ use super::{Scene, cumulative};
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, Tri};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
 const TILES: f64 = 20_000.0;
@@ -44,10 +45,10 @@ pub struct Geometry {
     pub unit: f64,
     /// Number of planar pieces (edge-connected, coplanar, of one material).
     pub pieces: u32,
-    /// Triangles dropped: zero area, or a duplicate of another.
-    pub dropped: u32,
-    /// What was odd, in words for the user.
-    pub warnings: Vec<String>,
+    /// Faces left out because they have no area.
+    pub degenerate: Vec<u32>,
+    /// Faces left out because they repeat another: the face, and the one it repeats.
+    pub duplicate: Vec<[u32; 2]>,
 }
 
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -80,7 +81,6 @@ impl Geometry {
     pub fn new(scene: &Scene) -> Result<Geometry> {
         scene.check()?;
         let empty = || Error::EmptyScene { scene: scene.name.clone() };
-        let mut warnings = Vec::new();
 
         // Bound the vertices that faces use, recentre, and scale by a power of two, all in f64.
         let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
@@ -102,8 +102,8 @@ impl Geometry {
 
         // Keep triangles that have an area after the cast, each once.
         let mut kept: Vec<Kept> = Vec::new();
-        let (mut degenerate, mut duplicate) = (0u32, 0u32);
-        let mut seen = std::collections::HashSet::new();
+        let (mut degenerate, mut duplicate) = (Vec::new(), Vec::new());
+        let mut seen = HashMap::new();
         for (i, face) in scene.faces.iter().enumerate() {
             let corners = face.vertices.map(local);
             let c = corners.map(|v| v.map(f64::from));
@@ -118,24 +118,21 @@ impl Geometry {
                 .fold(0.0, f64::max);
             // Thinner than rounding of the coordinates: neither its normal nor its area means anything.
             if double_area <= longest * 1e-9 || double_area < 1e-30 {
-                degenerate += 1;
+                degenerate.push(i as u32);
                 continue;
             }
             let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
             // The same corners wound the other way are another surface: rotate, do not sort.
             let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
             key.rotate_left(first);
-            if !seen.insert(key) {
-                duplicate += 1;
-                continue;
-            }
+            match seen.entry(key) {
+                Entry::Occupied(first) => {
+                    duplicate.push([i as u32, *first.get()]);
+                    continue;
+                }
+                Entry::Vacant(free) => free.insert(i as u32),
+            };
             kept.push(Kept { face: i as u32, corners, normal: normal.map(|x| x / double_area), area: 0.5 * double_area });
-        }
-        if degenerate > 0 {
-            warnings.push(format!("{degenerate} triangle(s) without an area were dropped"));
-        }
-        if duplicate > 0 {
-            warnings.push(format!("{duplicate} duplicate triangle(s) were dropped"));
         }
         if kept.is_empty() {
             return Err(empty());
@@ -228,8 +225,8 @@ impl Geometry {
             area,
             unit: (area.max(1e-3 * total) / 6.0).sqrt(),
             pieces,
-            dropped: degenerate + duplicate,
-            warnings,
+            degenerate,
+            duplicate,
         })
     }
 
@@ -253,6 +250,12 @@ impl Geometry {
     /// The material at a surface point.
     pub fn material_at(&self, point: &Point) -> &Material {
         self.material_of(point.tri as usize)
+    }
+
+    /// Longest side of the bounding box, metres.
+    pub fn extent(&self) -> f64 {
+        let side = |k: usize| self.nodes.first().map_or(0.0, |root| (root.max[k] - root.min[k]) as f64);
+        side(0).max(side(1)).max(side(2)) / self.scale
     }
 
     /// World position to local.

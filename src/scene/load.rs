@@ -78,6 +78,18 @@ impl Scene {
         Scene::load_with(path, &LoadOptions::default())
     }
 
+    /// [`Scene::load`] without [`Scene::check`], for [`crate::doctor`], who has more to say of a sick scene.
+    ///
+    /// Errors: [`Error::Read`], [`Error::Format`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Scene> {
+        Scene::read_with(path, &LoadOptions::default())
+    }
+
+    /// As [`Scene::read`], as the options say, `strict` apart. Errors: also [`Error::InvalidParam`].
+    pub fn read_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene> {
+        read_from(path.as_ref(), options, &mut |path| std::fs::read(path), &mut |_| Flow::Continue)
+    }
+
     /// As [`Scene::load`], as the options say. Errors: also [`Error::InvalidParam`].
     pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Scene> {
         Scene::load_from(path.as_ref(), options, &mut |path| std::fs::read(path), &mut |_| Flow::Continue)
@@ -93,30 +105,36 @@ impl Scene {
         files: &mut dyn FnMut(&Path) -> io::Result<Vec<u8>>,
         tell: &mut dyn FnMut(&Event) -> Flow,
     ) -> Result<Scene> {
-        if !(options.unit > 0.0 && options.unit.is_finite()) {
-            let range = "give the metres in a unit of the file, a positive number";
-            return Err(Error::InvalidParam { name: "unit", value: options.unit.to_string(), range });
-        }
-        let mut reader = Reader { options, progress: Progress::new(tell), files };
-        let mut scene = match kind(path)? {
-            Kind::Obj => obj::read(path, &mut reader, &[])?,
-        };
-        place(&mut scene, options.unit, options.up);
-        if options.two_sided {
-            sides::mirror(&mut scene, |_| true);
-        }
+        let scene = read_from(path, options, files, tell)?;
         if let (true, [first, more @ ..]) = (options.strict, &scene.warnings[..]) {
+            let (what, cure) = first.split_once("; ").unwrap_or((first, "correct it"));
             let more = if more.is_empty() { String::new() } else { format!(" (and {} more)", more.len()) };
-            return Err(Error::Format {
-                path: path.into(),
-                line: None,
-                what: format!("{first}{more}"),
-                cure: "correct it, or leave --strict out".into(),
-            });
+            return Err(Error::Strict { what: format!("{what}{more}"), cure: cure.into() });
         }
         scene.check()?;
         Ok(scene)
     }
+}
+
+fn read_from(
+    path: &Path,
+    options: &LoadOptions,
+    files: &mut dyn FnMut(&Path) -> io::Result<Vec<u8>>,
+    tell: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<Scene> {
+    if !(options.unit > 0.0 && options.unit.is_finite()) {
+        let range = "give the metres in a unit of the file, a positive number";
+        return Err(Error::InvalidParam { name: "unit", value: options.unit.to_string(), range });
+    }
+    let mut reader = Reader { options, progress: Progress::new(tell), files };
+    let mut scene = match kind(path)? {
+        Kind::Obj => obj::read(path, &mut reader, &[])?,
+    };
+    place(&mut scene, options.unit, options.up);
+    if options.two_sided {
+        sides::mirror(&mut scene, |_| true);
+    }
+    Ok(scene)
 }
 
 /// The formats.

@@ -34,6 +34,26 @@ impl Material {
     pub fn new(name: &str, reflectance: [f64; 3], emission: [f64; 3]) -> Material {
         Material { name: name.into(), reflectance, emission }
     }
+
+    /// Checks that it can be lit: reflectances in [0, 1), emissions finite and >= 0.
+    ///
+    /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
+    pub fn check(&self) -> Result<()> {
+        self.check_at("in memory")
+    }
+
+    fn check_at(&self, place: &str) -> Result<()> {
+        for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
+            let (place, material) = (place.to_string(), self.name.clone());
+            if !(0.0..1.0).contains(&self.reflectance[k]) {
+                return Err(Error::InvalidReflectance { place, material, band, value: self.reflectance[k] });
+            }
+            if !(self.emission[k].is_finite() && self.emission[k] >= 0.0) {
+                return Err(Error::InvalidEmission { place, material, band, value: self.emission[k] });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A triangle of a scene: vertex indices, material and object.
@@ -69,6 +89,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Object names, for messages.
     pub objects: Vec<String>,
+    /// File and line of each material, for messages; empty where the scene does not come from files.
+    pub material_places: Vec<String>,
     /// Cameras the file holds, in its order.
     pub cameras: Vec<View>,
     /// What was odd on reading, in words for the user.
@@ -121,25 +143,16 @@ impl Scene {
                 });
             }
         }
-        self.materials.iter().try_for_each(|m| check_material(m, &self.name))
+        (0..self.materials.len()).try_for_each(|m| self.check_material(m))
+    }
+
+    /// As [`Material::check`], of a material of this scene; the error names the file and line it comes from.
+    pub fn check_material(&self, material: usize) -> Result<()> {
+        self.materials[material].check_at(self.material_places.get(material).unwrap_or(&self.name))
     }
 
     /// The corners of a triangle, metres.
     pub fn corners(&self, face: usize) -> [[f64; 3]; 3] {
         self.faces[face].vertices.map(|v| self.vertices[v as usize])
     }
-}
-
-/// Checks a material's values. Errors: [`Error::InvalidReflectance`] and [`Error::InvalidEmission`], with `place`.
-fn check_material(m: &Material, place: &str) -> Result<()> {
-    for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
-        let (place, material) = (place.to_string(), m.name.clone());
-        if !(0.0..1.0).contains(&m.reflectance[k]) {
-            return Err(Error::InvalidReflectance { place, material, band, value: m.reflectance[k] });
-        }
-        if !(m.emission[k].is_finite() && m.emission[k] >= 0.0) {
-            return Err(Error::InvalidEmission { place, material, band, value: m.emission[k] });
-        }
-    }
-    Ok(())
 }

@@ -2,9 +2,9 @@
 //!
 //! The values are read here because a refusal must name its line; tobj keeps none, and panics on `Kd 0.5`.
 
+use super::Material;
 use super::load::{KdSpace, Reader};
 use super::text::{Statements, Unread, bad, decode, name, split, words};
-use super::{Material, check_material};
 use crate::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ impl Library {
                 Ok((path, bytes)) => self.read(&path, bytes, reader, warnings)?,
                 Err(e) => {
                     let obj = obj.display();
-                    warnings.push(format!("material file '{one}' was not found beside {obj} (line {line}: {e})"));
+                    warnings.push(format!("{obj}:{line}: material file '{one}' was not found ({e}); put it beside the scene"));
                 }
             }
         }
@@ -63,7 +63,9 @@ impl Library {
                     }
                     let place = format!("{}:{line}", path.display());
                     if self.entries.contains_key(name) {
-                        warnings.push(format!("{place}: material '{name}' is defined once more; the last holds"));
+                        warnings.push(format!(
+                            "{place}: material '{name}' is defined once more, and the last holds; name them apart"
+                        ));
                     }
                     let entry = self.entries.entry(name.into()).or_default();
                     *entry = Entry { place, ..Entry::default() };
@@ -95,8 +97,8 @@ impl Library {
         Ok(())
     }
 
-    /// The material that faces use from line `line` of an OBJ on, defaults filled in with a warning.
-    /// What `overridden` names gets its reflectance elsewhere and is not judged.
+    /// The material that faces use from line `line` of an OBJ on, and its place; defaults are filled in with a
+    /// warning. What `overridden` names gets its reflectance elsewhere.
     pub fn resolve(
         &self,
         name: Option<&str>,
@@ -104,30 +106,30 @@ impl Library {
         line: usize,
         overridden: &[String],
         warnings: &mut Vec<String>,
-    ) -> Result<Material> {
-        let grey = format!("{GREY} grey is assumed");
-        let place = format!("{}:{line}", obj.display());
+    ) -> (Material, String) {
+        let here = format!("{}:{line}", obj.display());
         let Some(name) = name else {
-            warnings.push(format!("{place}: faces without a material (no usemtl) from line {line} on: {grey}"));
-            return Ok(Material::new("default", [GREY; 3], [0.0; 3]));
+            let cure = "give them one in the modeller";
+            warnings.push(format!("{here}: faces without a material (no usemtl) are taken for {GREY} grey; {cure}"));
+            return (Material::new("default", [GREY; 3], [0.0; 3]), here);
         };
         let spared = overridden.iter().any(|o| o == name);
         let entry = self.entries.get(name);
+        let place = entry.map_or(here, |e| e.place.clone());
         let reflectance = match entry {
             _ if spared => [GREY; 3],
             None => {
-                warnings.push(format!("{place}: material '{name}' is in no material file: {grey}"));
+                let cure = "ship the .mtl that defines it";
+                warnings.push(format!("{place}: material '{name}' is in no material file and taken for {GREY} grey; {cure}"));
                 [GREY; 3]
             }
-            Some(Entry { kd: None, place, .. }) => {
-                warnings.push(format!("{place}: material '{name}' has no Kd: {grey}"));
+            Some(Entry { kd: None, .. }) => {
+                warnings.push(format!("{place}: material '{name}' has no Kd and is taken for {GREY} grey; give it a Kd"));
                 [GREY; 3]
             }
-            Some(Entry { kd: Some(kd), place, .. }) => not_quite_one(*kd, name, place, warnings),
+            Some(Entry { kd: Some(kd), .. }) => not_quite_one(*kd, name, &place, warnings),
         };
-        let material = Material::new(name, reflectance, entry.map_or([0.0; 3], |e| e.ke));
-        check_material(&material, entry.map_or(&place, |e| &e.place))?;
-        Ok(material)
+        (Material::new(name, reflectance, entry.map_or([0.0; 3], |e| e.ke)), place)
     }
 }
 
@@ -136,7 +138,8 @@ pub fn not_quite_one(rho: [f64; 3], material: &str, place: &str, warnings: &mut 
     let one = |x: &f64| (1.0..=ONE).contains(x);
     if rho.iter().any(one) {
         warnings.push(format!(
-            "{place}: material '{material}' reflects everything (1), which no surface does: {NEARLY_ONE} is taken"
+            "{place}: material '{material}' reflects everything (1), which no surface does, and is taken for {NEARLY_ONE}; \
+             lower its reflectance below 1"
         ));
     }
     rho.map(|x| if one(&x) { NEARLY_ONE } else { x })

@@ -20,8 +20,7 @@ const STEP: usize = 1 << 20;
 /// Reads an OBJ file with its materials. Polygons are cut into triangles; an object is a `o` or `g` name.
 /// The reflectance of the materials that `overridden` names comes from elsewhere.
 ///
-/// Errors: [`Error::Read`], [`Error::Format`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`],
-/// [`Error::InvalidReflectance`] and [`Error::InvalidEmission`], with file and line.
+/// Errors: [`Error::Read`], [`Error::Format`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`], with file and line.
 pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<Scene> {
     let text = decode(reader.read(path)?);
     let place = |line: usize| format!("{}:{line}", path.display());
@@ -91,7 +90,7 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                 let object = *object.get_or_insert_with(|| names.object(&mut scene));
                 let material = match material {
                     Some(m) => m,
-                    None => *material.insert(names.material(&mut scene, &library, path, line, overridden)?),
+                    None => *material.insert(names.material(&mut scene, &library, path, line, overridden)),
                 };
                 let Scene { vertices, faces, .. } = &mut scene;
                 let shape = cut(&corners, vertices, |t| faces.push(Face { vertices: t.map(|i| corners[i]), material, object }));
@@ -105,7 +104,7 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
     }
     unread.warn(path, &mut scene.warnings);
     thin.warn(path, &mut scene.warnings);
-    crossing.warn_as(path, "cut into triangles that overlap (triangulate on export)", &mut scene.warnings);
+    crossing.warn_as(path, "cut into triangles that overlap", "triangulate on export", &mut scene.warnings);
     Ok(scene)
 }
 
@@ -127,15 +126,17 @@ impl Names {
         })
     }
 
-    fn material(&mut self, scene: &mut Scene, library: &Library, path: &Path, line: usize, overridden: &[String]) -> Result<u32> {
+    fn material(&mut self, scene: &mut Scene, library: &Library, path: &Path, line: usize, overridden: &[String]) -> u32 {
         if let Some(&known) = self.materials.get(&self.material) {
-            return Ok(known);
+            return known;
         }
         let name = (!self.material.is_empty()).then_some(self.material.as_str());
-        scene.materials.push(library.resolve(name, path, line, overridden, &mut scene.warnings)?);
+        let (material, place) = library.resolve(name, path, line, overridden, &mut scene.warnings);
+        scene.materials.push(material);
+        scene.material_places.push(place);
         let index = scene.materials.len() as u32 - 1;
         self.materials.insert(self.material.clone(), index);
-        Ok(index)
+        index
     }
 }
 
@@ -219,7 +220,7 @@ mod tests {
     fn missing_materials_are_grey_with_a_warning() {
         let scene = load(TRIANGLE, None).unwrap();
         assert_eq!(scene.materials[0].reflectance, [0.5; 3]);
-        assert!(scene.warnings[0].contains("line 4"), "{:?}", scene.warnings);
+        assert!(scene.warnings[0].starts_with("s.obj:4: "), "{:?}", scene.warnings);
 
         let scene = load(&format!("mtllib gone.mtl\nusemtl wall\n{TRIANGLE}"), None).unwrap();
         assert_eq!(scene.materials[0].name, "wall");

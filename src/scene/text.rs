@@ -105,11 +105,11 @@ impl Unread {
 
     /// One warning for the file; none where everything was read.
     pub fn warn(&self, path: &Path, warnings: &mut Vec<String>) {
-        self.warn_as(path, "not supported and left out", warnings);
+        self.warn_as(path, "not supported and left out", "bake on without, or model it otherwise", warnings);
     }
 
     /// One warning that says what was done with it.
-    pub fn warn_as(&self, path: &Path, done: &str, warnings: &mut Vec<String>) {
+    pub fn warn_as(&self, path: &Path, done: &str, cure: &str, warnings: &mut Vec<String>) {
         if self.0.is_empty() {
             return;
         }
@@ -118,6 +118,6 @@ impl Unread {
             .iter()
             .map(|(what, n, line)| format!("{what} ({n} time{}, first on line {line})", if *n == 1 { "" } else { "s" }))
             .collect();
-        warnings.push(format!("{}: {done}: {}", path.display(), list.join(", ")));
+        warnings.push(format!("{}: {done}: {}; {cure}", path.display(), list.join(", ")));
     }
 }
