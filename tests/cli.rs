@@ -116,7 +116,6 @@ fn promised_flags_and_commands_are_refused_by_name() {
         "--mode paper",
         "--effects auto",
         "--quality final",
-        "--resume",
         "--two-sided",
         "--strict",
         "--kd-space srgb",

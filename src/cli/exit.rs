@@ -36,6 +36,20 @@ impl Done {
     }
 }
 
+/// Why a command did not do its work, and what to say in place of the error's own words.
+pub struct Failure {
+    /// The error.
+    pub error: Error,
+    /// Other words for it.
+    pub words: Option<String>,
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure { error, words: None }
+    }
+}
+
 /// An error's name for scripts, and its exit code.
 pub fn of(e: &Error) -> (&'static str, u8) {
     match e {

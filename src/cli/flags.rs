@@ -12,7 +12,6 @@ const NOT_BUILT: &[(&str, &str)] = &[
     ("--mode", "bakes run in flux mode"),
     ("--effects", "every bake has diffuse light with exact shadows"),
     ("--quality", "set --rays instead"),
-    ("--resume", "bake again; the same seed gives the same result"),
     ("--two-sided", "duplicate the faces with opposite winding"),
     ("--strict", "read the warnings"),
     ("--kd-space", "Kd is taken as linear Rec.709"),
