@@ -56,8 +56,8 @@ struct Stage<'a> {
 #[derive(Default)]
 pub(crate) struct Clock {
     pub seconds: BTreeMap<&'static str, f64>,
-    pub compile: f64,
-    pub device_bytes: u64,
+    pub compile: Option<f64>,
+    pub device_bytes: Option<u64>,
 }
 
 impl Clock {
@@ -126,11 +126,11 @@ pub fn bake_from(
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
-    report.memory_bytes.device = Some(clock.device_bytes);
+    report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
     seconds.bvh = Some(bvh);
-    seconds.compile = Some(clock.compile);
-    seconds.train = Some(train);
+    seconds.compile = clock.compile;
+    seconds.train = (train > 0.0).then_some(train);
     seconds.coefficients = clock.get("coefficients");
     seconds.solve = clock.get("solve");
     seconds.direct = clock.get("direct");
@@ -201,8 +201,8 @@ fn run<E: Engine>(
         clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, &mut batches, progress))?;
     saved.energy = Some(energy);
     saved.network.direct = Vec::new();
-    clock.compile = engine.compile_seconds();
-    clock.device_bytes = engine.device_bytes();
+    clock.compile = Some(engine.compile_seconds());
+    clock.device_bytes = Some(engine.device_bytes());
     saved.keep(progress)
 }
 

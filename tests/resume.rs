@@ -5,7 +5,7 @@
 use raycell::gpu::{Gpu, device};
 use raycell::output::{ply, points};
 use raycell::twin::math::hash;
-use raycell::{Backend, Checkpoint, Error, Event, Flow, Params, Scene, Solution, SurfacePoint, bake_from};
+use raycell::{Backend, Checkpoint, Error, Event, Flow, Params, Scene, SurfacePoint, bake_from};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -77,13 +77,15 @@ impl Job {
                 if left == u32::MAX { Flow::Stop } else { Flow::Continue }
             });
             assert!(matches!(stopped, Err(Error::Cancelled)), "event {last}");
+            let begin = Instant::now();
             saved.save(&file).unwrap();
+            let took = begin.elapsed();
             let size = std::fs::metadata(&file).unwrap().len();
             let mut again = Checkpoint::load(&file).unwrap();
             assert_eq!(again.reached(), saved.reached());
             let bytes = self.run(&mut again, dir.path(), &mut |_| Flow::Continue).unwrap();
             let where_ = saved.reached().unwrap_or("read-out".into());
-            eprintln!("stopped at event {last} of {events} ({where_}, {size} bytes)");
+            eprintln!("stopped at event {last} of {events} ({where_}, {size} bytes in {took:?})");
             for (k, name) in ["solution.rcell", "points.csv", "vertices.ply"].iter().enumerate() {
                 assert!(bytes[k] == straight[k], "{name} differs after a stop at event {last} ({where_})");
             }
@@ -138,4 +140,117 @@ fn no_stop_waits_long() {
         eprintln!("{:6.3} s of {:.1} s: {place}", gap.as_secs_f64(), total.as_secs_f64());
     }
     assert!(least.last().unwrap().0 < *total / 12, "{:?} of {total:?}", least.last());
+}
+
+/// The program on the Cornell box, in a folder of its own.
+#[cfg(unix)]
+mod program {
+    use super::{RAYS, gpu, hash, root};
+    use std::fs;
+    use std::path::Path;
+    use std::process::{Command, Output, Stdio};
+    use std::time::{Duration, Instant};
+
+    fn bake(out: &Path, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_raycell"));
+        command.args(["bake", "--vertices", "--rays", &RAYS.to_string(), "-o"]).arg(out).args(more);
+        command.arg("--points").arg(root("tests/data/cornell.truth.csv")).arg(root("scenes/cornell/scene.obj"));
+        command.stderr(Stdio::piped());
+        command
+    }
+
+    /// Runs until `after`, sends the signal, and waits for the end.
+    fn interrupted(mut command: Command, signal: &str, after: Duration) -> Output {
+        let child = command.spawn().unwrap();
+        std::thread::sleep(after);
+        // It may be done already; then there is nobody to hear.
+        let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status();
+        child.wait_with_output().unwrap()
+    }
+
+    fn words(output: &Output) -> String {
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    }
+
+    #[test]
+    fn signals_at_random_times_change_no_byte() {
+        if gpu().is_none() {
+            return;
+        }
+        let dir = tempfile::tempdir().unwrap();
+        let (straight, out) = (dir.path().join("straight"), dir.path().join("out"));
+        let begin = Instant::now();
+        let output = bake(&straight, &[]).output().unwrap();
+        assert!(output.status.success(), "{}", words(&output));
+        assert!(!straight.join("checkpoint.rcell").exists(), "a bake that is done keeps none");
+        let takes = begin.elapsed();
+
+        let mut codes = Vec::new();
+        for round in 0..40 {
+            // A killed process loses what it had not written yet, so each round must have time for a stage.
+            let after = takes.mul_f64(0.15 + 0.35 * (hash(round) as f64 / u32::MAX as f64));
+            let signal = ["-INT", "-KILL", "-TERM"][round as usize % 3];
+            let output = interrupted(bake(&out, &["--resume"]), signal, after);
+            let said = words(&output);
+            let json = |name: &str| -> serde_json::Value { serde_json::from_slice(&fs::read(out.join(name)).unwrap()).unwrap() };
+            match output.status.code() {
+                Some(0) => break,
+                None => assert_eq!(signal, "-KILL", "{said}"),
+                Some(130) => {
+                    codes.push(130);
+                    if out.join("checkpoint.rcell").exists() {
+                        assert!(said.contains("interrupted; saved ") && said.contains(" --resume "), "{said}");
+                        let (report, whole) = (json("report.json"), said.contains("(whole;"));
+                        assert_eq!(report["partial"], !whole, "{said}");
+                        assert!(report["reached"].is_string());
+                        let solution = raycell::Solution::load(&out.join("solution.rcell")).unwrap();
+                        assert_eq!(solution.is_partial(), !whole);
+                    } else {
+                        assert!(said.contains("nothing was written"), "{said}");
+                    }
+                }
+                other => panic!("{signal}: {other:?}\n{said}"),
+            }
+        }
+        assert!(codes.len() > 1, "it was stopped more than once: {codes:?}");
+        for name in ["solution.rcell", "points.csv", "vertices.ply"] {
+            assert!(fs::read(out.join(name)).unwrap() == fs::read(straight.join(name)).unwrap(), "{name} differs");
+        }
+        assert!(!out.join("checkpoint.rcell").exists());
+    }
+
+    #[test]
+    fn what_cannot_be_resumed_is_refused_by_name() {
+        if gpu().is_none() {
+            return;
+        }
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("out");
+        let file = out.join("checkpoint.rcell");
+        for attempt in 1.. {
+            let output = interrupted(bake(&out, &[]), "-INT", Duration::from_secs(3 * attempt));
+            if file.exists() {
+                break;
+            }
+            assert!(attempt < 10 && output.status.code() == Some(130), "{}", words(&output));
+        }
+        let kept = fs::read(&file).unwrap();
+        for (more, part) in [
+            (["--resume", "--seed=2"], "checkpoint.rcell: this checkpoint is of another bake: seed was 1 and is 2; "),
+            (["--resume", "--backend=cpu"], "the device was "),
+            (["--resume", "--cells=100"], "cells was null and is 100"),
+        ] {
+            let output = bake(&out, &more).output().unwrap();
+            assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+            assert!(words(&output).contains(part), "{}", words(&output));
+            assert!(fs::read(&file).unwrap() == kept, "a refused checkpoint is left alone");
+        }
+        fs::write(&file, &kept[..kept.len() / 2]).unwrap();
+        let output = bake(&out, &["--resume"]).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(words(&output).contains("checkpoint.rcell: the file is truncated; "), "{}", words(&output));
+        // Without the flag it is overwritten, with a word.
+        let output = interrupted(bake(&out, &[]), "-INT", Duration::from_secs(2));
+        assert!(words(&output).contains("--resume would go on from it"), "{}", words(&output));
+    }
 }

@@ -7,6 +7,7 @@ mod alloc;
 mod mtl;
 mod mutate;
 mod obj;
+mod rcell;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
