@@ -1,6 +1,6 @@
 //! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
 
-use super::{adapters, bake, query, render};
+use super::{adapters, bake, doctor, query, render};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 
@@ -20,7 +20,6 @@ const NOT_BUILT: &[(&str, &str)] = &[
     ("sweep", "bake with several --rays"),
     ("paper", "bakes run in flux mode"),
     ("explain", "every bake has diffuse light with exact shadows"),
-    ("doctor", "read the warnings of a bake"),
 ];
 
 /// A refusal that names the first promised but unbuilt flag or command in the arguments.
@@ -56,6 +55,8 @@ pub enum Command {
     Query(query::Flags),
     /// A picture, from a solution or straight from a scene.
     Render(render::Flags),
+    /// Say what is wrong with a scene: each fault with its object, a number and the cure.
+    Doctor(doctor::Flags),
     /// List what raycell can run on, and with which limits.
     Adapters(adapters::Flags),
 }
@@ -76,7 +77,7 @@ mod tests {
         assert!(
             not_built(&args("raycell bake a.obj --target-error=5")).unwrap().starts_with("--target-error is not built yet; ")
         );
-        assert!(not_built(&args("raycell doctor a.obj")).unwrap().starts_with("doctor"));
+        assert!(not_built(&args("raycell explain a.obj")).unwrap().starts_with("explain"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());
         assert!(not_built(&args("raycell bake -- --json")).is_none());

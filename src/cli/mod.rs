@@ -2,6 +2,7 @@
 
 mod adapters;
 mod bake;
+mod doctor;
 mod flags;
 mod log;
 mod query;
@@ -14,8 +15,9 @@ use flags::Command;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Exit codes, as the README promises them. 1 (a target was not reached) comes with the targets.
+/// Exit codes, as the README promises them.
 mod code {
+    pub const FOUND: u8 = 1;
     pub const USAGE: u8 = 2;
     pub const NO_DEVICE: u8 = 3;
     pub const DEVICE_LOST: u8 = 4;
@@ -38,6 +40,11 @@ pub fn run() -> ExitCode {
         }
     };
     let done = match flags.command {
+        Command::Doctor(flags) => match doctor::run(flags) {
+            Ok(0) => Ok(()),
+            Ok(_) => return code::FOUND.into(),
+            Err(e) => Err(e),
+        },
         Command::Bake(flags) => bake::run(flags),
         Command::Query(flags) => query::run(flags),
         Command::Render(flags) => render::run(flags),

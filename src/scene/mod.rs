@@ -8,6 +8,7 @@ mod surface;
 pub use distribution::cumulative;
 pub use geometry::Geometry;
 pub use surface::Located;
+pub(crate) use surface::nearest_on_triangle;
 
 use crate::error::{Error, Result};
 use std::path::Path;
