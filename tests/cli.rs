@@ -116,7 +116,6 @@ fn promised_flags_and_commands_are_refused_by_name() {
         "--mode paper",
         "--effects auto",
         "--quality final",
-        "--json",
         "--resume",
         "--two-sided",
         "--strict",
@@ -147,15 +146,154 @@ fn usage_errors_are_2_and_help_is_0() {
     dir.refuses("bake", 2, &["SCENE"]);
     dir.refuses("bake s.obj --nonsense", 2, &["--nonsense"]);
     dir.refuses("bake s.obj --backend abacus", 2, &["abacus", "vulkan"]);
-    for args in ["--help", "--version", "bake --help", "render --help"] {
+    dir.refuses("bakee s.obj", 2, &["bakee", "'bake'"]);
+    dir.refuses("bake a.obj b.obj", 2, &["b.obj"]);
+    for args in ["--help", "-h", "--version", "bake --help", "help render", "--json --help"] {
         assert_eq!(dir.run(args).status.code(), Some(0), "{args}");
     }
+    assert!(stdout(&dir.run("--version")).contains("\nwgpu "));
+    // Short help is for a glance, long help teaches.
+    let (short, long) = (stdout(&dir.run("bake -h")), stdout(&dir.run("bake --help")));
+    assert!(!short.contains("Examples:") && long.contains("Examples:\n  raycell bake "), "{short}\n{long}");
+}
+
+/// What a command printed.
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+/// The one JSON object that a command printed.
+fn object(output: &Output) -> serde_json::Value {
+    let text = stdout(output);
+    assert_eq!(text.lines().count(), 1, "{text}");
+    serde_json::from_str(&text).expect(&text)
+}
+
+#[test]
+fn with_json_there_is_one_object_whatever_happens() {
+    let dir = grey().with("p.csv", "px,py,pz,nx,ny,nz\n0.2,0.2,0,0,0,1\n0.2,0.2,5,0,0,1\n");
+    for (args, kind, exit) in [
+        ("bake gone.obj --json", "read", 2),
+        ("--json bake s.obj --backend cpu --rays 5", "invalid_param", 2),
+        ("bake s.obj --json --adapter no-such-thing", "no_device", 3),
+        ("bakee --json", "usage", 2),
+        ("bake s.obj --json --mode paper", "not_built", 2),
+    ] {
+        let output = dir.run(args);
+        let error = &object(&output)["error"];
+        assert_eq!((&error["kind"], &error["exit"]), (&kind.into(), &exit.into()), "{args}");
+        assert_eq!(output.status.code(), Some(exit), "{args}");
+        // People read the same words.
+        let message = error["message"].as_str().unwrap();
+        assert!(String::from_utf8_lossy(&output.stderr).contains(message), "{args}: {message}");
+    }
+    let small = "--backend cpu --rays 1024 --json";
+    let output = dir.run(&format!("bake s.obj {small}"));
+    assert!(!output.stderr.is_empty());
+    let report: serde_json::Value = serde_json::from_slice(&fs::read(dir.path("out/report.json")).unwrap()).unwrap();
+    assert_eq!(object(&output), report);
+    let output = dir.run("query out/solution.rcell --points p.csv -o q.csv --backend cpu --json --quiet");
+    assert_eq!(output.stderr, b"");
+    let answer = object(&output);
+    assert_eq!((&answer["points"], &answer["off_surface"]), (&2.into(), &1.into()));
+    let eye = "--eye 0.2,0.2,3 --target 0.2,0.2,0 --width 4 --height 2";
+    let picture = object(&dir.run(&format!("render out/solution.rcell -o a.png --backend cpu --json {eye}")));
+    assert_eq!((&picture["width"], &picture["output"]), (&4.into(), &"a.png".into()));
+    assert!(picture["exposure"].as_f64().unwrap() > 0.0);
+    assert!(object(&dir.run("adapters --json"))["adapters"].is_array());
+}
+
+#[test]
+fn colour_is_for_terminals_and_for_those_who_insist() {
+    let dir = Dir::new();
+    let escapes = |args: &str, variable: (&str, &str)| {
+        let output = dir.command(args).env_remove("NO_COLOR").env(variable.0, variable.1).output().unwrap();
+        output.stderr.contains(&0x1b)
+    };
+    for args in ["bake gone.obj", "bakee"] {
+        // The tests' stderr is a pipe.
+        assert!(!escapes(args, ("TERM", "xterm")), "{args}");
+        assert!(escapes(&format!("{args} --color always"), ("NO_COLOR", "1")), "{args}");
+        assert!(!escapes(&format!("{args} --color=never"), ("CLICOLOR_FORCE", "1")), "{args}");
+        assert!(!escapes(args, ("NO_COLOR", "1")), "{args}");
+    }
+}
+
+#[test]
+fn every_example_of_the_help_works() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace");
+    let dir = Dir::new()
+        .with("room.obj", &fs::read_to_string(format!("{scene}/scene.obj")).unwrap())
+        .with("scene.mtl", &fs::read_to_string(format!("{scene}/scene.mtl")).unwrap())
+        .with("room.json", &fs::read_to_string(format!("{scene}/scene.json")).unwrap())
+        .with("points.csv", "px,py,pz,nx,ny,nz\n0.5,0,0.5,0,1,0\n");
+    let mut ran = 0;
+    for command in ["bake", "query", "render", "adapters", "man", "completions", ""] {
+        let help = stdout(&dir.run(&format!("{command} --help")));
+        let (_, examples) = help.split_once("Examples:\n").expect(command);
+        for line in examples.lines().filter_map(|l| l.strip_prefix("  raycell ")) {
+            let line = line.split(" > ").next().unwrap();
+            // The last of a flag counts: the same command, made small and free of drivers.
+            let small = match line.split(' ').next().unwrap() {
+                _ if line.contains("--help") => "",
+                "bake" => "--backend cpu --rays 1024 --width 8 --height 8",
+                "render" => "--backend cpu --width 8 --height 8",
+                "query" => "--backend cpu",
+                _ => "",
+            };
+            let small = if line.starts_with("render room.obj") { format!("{small} --rays 1024") } else { small.into() };
+            let output = dir.run(&format!("{line} {small}"));
+            assert_eq!(output.status.code(), Some(0), "{line}\n{}", String::from_utf8_lossy(&output.stderr));
+            ran += 1;
+        }
+    }
+    assert!(ran >= 15, "{ran}");
+    assert!(dir.path("man1/raycell-bake.1").is_file() && dir.path("lit/picture.exr").is_file());
+}
+
+#[test]
+fn pages_and_completions_tell_every_flag() {
+    let dir = Dir::new();
+    assert_eq!(dir.run("man -o .").status.code(), Some(0));
+    let help = stdout(&dir.run("bake --help"));
+    let flags: Vec<&str> = help.split_whitespace().filter(|w| w.starts_with("--") && w.len() > 4).collect();
+    let flags: Vec<&str> =
+        flags.iter().map(|f| f.trim_end_matches([',', '.', ';', '\'', ')']).split(['=', '[']).next().unwrap()).collect();
+    assert!(flags.contains(&"--points") && flags.contains(&"--json"), "{flags:?}");
+    let page = fs::read_to_string(dir.path("raycell-bake.1")).unwrap().replace("\\-", "-");
+    let texts: Vec<String> =
+        ["bash", "zsh", "fish", "powershell", "elvish"].map(|s| stdout(&dir.run(&format!("completions {s}")))).into();
+    for flag in flags {
+        assert!(page.contains(flag), "{flag} in the manual");
+        for text in &texts {
+            // Fish writes long flags without their dashes.
+            assert!(text.contains(flag) || text.contains(&format!("-l {}", &flag[2..])), "{flag} in\n{text}");
+        }
+    }
+    dir.refuses("completions tcsh", 2, &["tcsh", "fish"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_need_not_be_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let name = |bytes: &[u8]| std::ffi::OsStr::from_bytes(bytes).to_os_string();
+    let dir = Dir::new().with("s.mtl", "newmtl m\nKd 0.5 0.5 0.5\nKe 1 1 1\n");
+    fs::write(dir.0.path().join(name(b"sc\xffne.obj")), TRIANGLE).unwrap();
+    fs::write(dir.0.path().join(name(b"p\xe9.csv")), "px,py,pz,nx,ny,nz\n0.2,0.2,0,0,0,1\n").unwrap();
+    let mut bake = dir.command("bake --backend cpu --rays 1024 --json --points");
+    let output = bake.arg(name(b"p\xe9.csv")).arg("-o").arg(name(b"o\xfft")).arg(name(b"sc\xffne.obj")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(object(&output)["scene"]["path"].is_string());
+    assert!(dir.0.path().join(name(b"o\xfft")).join("points.csv").is_file());
+    let gone = dir.command("bake").arg(name(b"g\xffne.obj")).output().unwrap();
+    assert_eq!(gone.status.code(), Some(2));
 }
 
 #[test]
 fn a_closed_pipe_is_no_panic() {
     let dir = Dir::new();
-    for args in ["adapters", "--help", "bake gone.obj"] {
+    for args in ["adapters", "--help", "bake gone.obj", "bake gone.obj --json", "man", "completions bash"] {
         let mut child = dir.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         drop(child.stderr.take());

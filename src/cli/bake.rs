@@ -1,5 +1,7 @@
 //! `raycell bake`: check everything that was given, train, solve, read out, and only then write.
 
+use super::console::Console;
+use super::exit::Done;
 use super::log::Log;
 use super::shared::camera::{self, Camera};
 use super::shared::interrupt::{heed, interrupt};
@@ -14,7 +16,23 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+const EXAMPLES: &str = "\
+Examples:
+  raycell bake room.obj
+      Light a scene; the results lie in the folder out.
+  raycell bake room.obj --camera room.json -o lit
+      Also lit/picture.exr and lit/picture.png, seen by the camera in room.json.
+  raycell bake room.obj --points points.csv --vertices
+      Also the light at points of your choice, and a mesh with the light at its vertices.
+  raycell bake room.obj --rays 4194304 --seed 7
+      Finer: the error falls about as rays^-0.3. Another seed shows how much is noise.
+  raycell bake room.obj --json --quiet
+      For scripts: the report, and nothing else, on stdout.
+  raycell bake room.obj --backend cpu --rays 16384
+      Without any driver: slow, for small things.";
+
 #[derive(Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Flags {
     /// Scene to light: an .obj file with its .mtl.
     pub scene: PathBuf,
@@ -35,7 +53,7 @@ pub struct Flags {
     pub device: Device,
 }
 
-pub fn run(flags: Flags) -> Result<()> {
+pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let begin = Instant::now();
     let params = network::params(&flags.network)?;
     let camera = camera::camera(&flags.camera)?;
@@ -43,7 +61,7 @@ pub fn run(flags: Flags) -> Result<()> {
     let scene = Scene::load(&flags.scene)?;
     let load = begin.elapsed();
     check_folder(&flags.output)?;
-    let mut log = Log::new(flags.device.quiet);
+    let mut log = Log::new(console);
     let machine = Machine::open(&flags.device, &log)?;
     let backend = &machine.backend;
 
@@ -92,7 +110,7 @@ pub fn run(flags: Flags) -> Result<()> {
     seconds.total = Some(begin.elapsed().as_secs_f64());
     report::write(&dir.join("report.json"), solution.report())?;
     wrote("report.json", "");
-    Ok(())
+    Ok(Done::new(serde_json::to_value(solution.report()).unwrap_or_default()))
 }
 
 /// Most memory this process has held, where the system tells.

@@ -1,40 +1,32 @@
 //! `raycell doctor`: what is wrong with a scene.
 
-use crate::doctor::{self, Finding};
-use crate::error::{Error, Result};
+use super::exit::{DONE, Done, FOUND};
+use crate::doctor;
+use crate::error::Result;
 use crate::scene::Scene;
-use std::io::Write;
+use clap::Args;
+use serde_json::json;
 use std::path::PathBuf;
 
-#[derive(clap::Args)]
+const EXAMPLES: &str = "\
+Examples:
+  raycell doctor room.obj
+      A line a fault: its name, the object, a number, and the cure. Nothing where nothing is wrong.
+  raycell doctor room.obj --json
+      The same for a script. Exit code 0: clean; 1: something was found; 2: not readable.";
+
+#[derive(Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Flags {
-    /// Scene to look at: an .obj file with its .mtl.
+    /// Scene to look at.
     pub scene: PathBuf,
-    /// Print the findings as one JSON object.
-    #[arg(long)]
-    pub json: bool,
 }
 
-/// What `--json` prints.
-#[derive(serde::Serialize)]
-struct Report<'a> {
-    scene: &'a str,
-    findings: &'a [Finding],
-}
-
-/// Prints the findings to stdout, a line each; answers how many there are.
-pub fn run(flags: Flags) -> Result<usize> {
+pub fn run(flags: Flags) -> Result<Done> {
     let scene = Scene::read(&flags.scene)?;
     let findings = doctor::examine(&scene)?;
-    let text = if flags.json {
-        let report = Report { scene: &scene.name, findings: &findings };
-        serde_json::to_string_pretty(&report).map_err(|e| Error::NotFinite { what: e.to_string() })? + "\n"
-    } else {
-        findings.iter().map(|f| format!("{}: {f}\n", f.check.name())).collect()
-    };
-    // A reader that has seen enough (head) is no error.
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::Write { path: "stdout".into(), source: e }),
-        _ => Ok(findings.len()),
-    }
+    let text = findings.iter().map(|f| format!("{}: {f}\n", f.check.name())).collect();
+    let code = if findings.is_empty() { DONE } else { FOUND };
+    let object = json!({"command": "doctor", "scene": scene.name, "findings": findings});
+    Ok(Done { code, ..Done::new(object).text(text) })
 }

@@ -2,19 +2,15 @@
 //!
 //! Everything goes to stderr; a closed stderr is ignored.
 
+use super::console::Console;
 use crate::progress::Event;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::time::Instant;
-
-/// An error, in the form scripts may look for.
-pub fn error(message: &str) {
-    let _ = writeln!(std::io::stderr(), "raycell: error: {message}");
-}
 
 /// Shows events.
 pub struct Log {
-    quiet: bool,
+    console: Console,
     bar: Option<ProgressBar>,
     stage: Option<(&'static str, Instant)>,
     rays: u64,
@@ -23,32 +19,30 @@ pub struct Log {
 }
 
 impl Log {
-    pub fn new(quiet: bool) -> Log {
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+    pub fn new(console: &Console) -> Log {
+        let bar = (!console.quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::no_length();
             bar.set_style(style("{spinner} {prefix} {msg}"));
             bar.enable_steady_tick(std::time::Duration::from_millis(120));
             bar
         });
-        Log { quiet, bar, stage: None, rays: 0, cells: 0, sweep: None }
+        Log { console: *console, bar, stage: None, rays: 0, cells: 0, sweep: None }
     }
 
     /// A line for the user.
     pub fn line(&self, text: &str) {
-        if self.quiet {
-            return;
-        }
-        let write = || {
-            let _ = writeln!(std::io::stderr(), "raycell: {text}");
-        };
+        self.beside_the_bar(|| self.console.line(text));
+    }
+
+    pub fn warning(&self, text: &str) {
+        self.beside_the_bar(|| self.console.warning(text));
+    }
+
+    fn beside_the_bar(&self, write: impl FnOnce()) {
         match &self.bar {
             Some(bar) => bar.suspend(write),
             None => write(),
         }
-    }
-
-    pub fn warning(&self, text: &str) {
-        self.line(&format!("warning: {text}"));
     }
 
     pub fn event(&mut self, event: &Event) {
@@ -67,6 +61,7 @@ impl Log {
                 self.rays = *done;
                 self.advance(*done, *total, "rays");
             }
+            Event::Read { done, total } => self.advance(done >> 10, total >> 10, "KiB"),
             Event::Points { done, total } => self.advance(*done, *total, "points"),
             Event::Cells { count } => {
                 self.cells = *count;
@@ -90,7 +85,8 @@ impl Log {
         // Counted from the stage's beginning: the first event may come when much is done.
         let rate = done as f64 / since.elapsed().as_secs_f64().max(1e-9);
         let left = total.saturating_sub(done) as f64 / rate.max(1e-9);
-        self.message(format!("{done}/{total} {unit}, {rate:.0} {unit}/s, {left:.0} s left"));
+        let cells = if self.cells > 0 { format!(", {} cells", self.cells) } else { String::new() };
+        self.message(format!("{done}/{total} {unit}, {rate:.0} {unit}/s{cells}, {left:.0} s left"));
     }
 
     fn message(&self, text: String) {

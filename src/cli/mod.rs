@@ -2,71 +2,72 @@
 
 mod adapters;
 mod bake;
+mod completions;
+mod console;
 mod doctor;
+mod exit;
 mod flags;
 mod log;
+mod man;
 mod query;
 mod render;
 mod shared;
 
-use crate::error::Error;
-use clap::Parser;
+use crate::error::{Error, Result};
+use clap::error::ErrorKind;
+use console::Console;
+use exit::Done;
 use flags::Command;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Exit codes, as the README promises them.
-mod code {
-    pub const FOUND: u8 = 1;
-    pub const USAGE: u8 = 2;
-    pub const NO_DEVICE: u8 = 3;
-    pub const DEVICE_LOST: u8 = 4;
-    pub const INTERRUPTED: u8 = 130;
-}
-
 /// Runs the program on the process's own arguments.
 pub fn run() -> ExitCode {
     let args: Vec<OsString> = std::env::args_os().collect();
+    let early = Console::from_args(&args);
     if let Some(refusal) = flags::not_built(&args) {
-        log::error(&refusal);
-        return code::USAGE.into();
+        early.error("not_built", &refusal, exit::USAGE);
+        return exit::USAGE.into();
     }
-    let flags = match flags::Flags::try_parse_from(args) {
-        Ok(flags) => flags,
+    let (command, console) = match flags::parse(args, early.color) {
+        Ok(flags) => (flags.command, flags.console),
         Err(e) => {
             // Help and version are no errors; a closed pipe is nobody's fault.
             let _ = e.print();
-            return (e.exit_code() as u8).into();
+            let code = e.exit_code() as u8;
+            if !matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+                let text = e.render().to_string();
+                early.error_object("usage", text.trim_start_matches("error: ").trim_end(), code);
+            }
+            return code.into();
         }
     };
-    let done = match flags.command {
-        Command::Doctor(flags) => match doctor::run(flags) {
-            Ok(0) => Ok(()),
-            Ok(_) => return code::FOUND.into(),
-            Err(e) => Err(e),
-        },
-        Command::Bake(flags) => bake::run(flags),
-        Command::Query(flags) => query::run(flags),
-        Command::Render(flags) => render::run(flags),
-        Command::Adapters(flags) => adapters::run(flags),
-    };
+    let done = obey(command, &console).and_then(|done| {
+        console.result(&done.text, &done.object)?;
+        Ok(done.code)
+    });
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code.into(),
         Err(e) => {
-            match &e {
-                Error::Cancelled => log::error("interrupted; nothing was written"),
-                _ => log::error(&e.to_string()),
-            }
-            exit_code(&e).into()
+            let (kind, code) = exit::of(&e);
+            let message = match &e {
+                Error::Cancelled => "interrupted; nothing was written".to_string(),
+                _ => e.to_string(),
+            };
+            console.error(kind, &message, code);
+            code.into()
         }
     }
 }
 
-fn exit_code(e: &Error) -> u8 {
-    match e {
-        Error::NoDevice { .. } | Error::Limit { .. } => code::NO_DEVICE,
-        Error::Device { .. } | Error::Unfinished { .. } | Error::NotFinite { .. } => code::DEVICE_LOST,
-        Error::Cancelled => code::INTERRUPTED,
-        _ => code::USAGE,
+fn obey(command: Command, console: &Console) -> Result<Done> {
+    match command {
+        Command::Bake(flags) => bake::run(flags, console),
+        Command::Query(flags) => query::run(flags, console),
+        Command::Render(flags) => render::run(flags, console),
+        Command::Doctor(flags) => doctor::run(flags),
+        Command::Adapters(flags) => adapters::run(flags),
+        Command::Man(flags) => man::run(flags, console),
+        Command::Completions(flags) => completions::run(flags),
     }
 }

@@ -1,5 +1,7 @@
 //! `raycell query`: light at points, from a solution.
 
+use super::console::Console;
+use super::exit::Done;
 use super::log::Log;
 use super::shared::interrupt::{heed, interrupt};
 use super::shared::machine::{Device, Machine};
@@ -7,11 +9,21 @@ use super::shared::points::off_surface;
 use crate::error::Result;
 use crate::output::points;
 use crate::progress::Event;
-use crate::solution::{Solution, SurfacePoint};
+use crate::solution::{Solution, Status, SurfacePoint};
 use clap::Args;
+use serde_json::json;
 use std::path::PathBuf;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  raycell query out/solution.rcell --points points.csv -o light.csv
+      Radiosity, irradiance and direct irradiance (W/m2) for every row of points.csv.
+  raycell query out/solution.rcell --points points.csv -o light.csv --json
+      Also how many points are off every surface, for a script.";
 
 #[derive(Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Flags {
     /// Solution that a bake has written.
     pub solution: PathBuf,
@@ -25,10 +37,11 @@ pub struct Flags {
     pub device: Device,
 }
 
-pub fn run(flags: Flags) -> Result<()> {
+pub fn run(flags: Flags, console: &Console) -> Result<Done> {
+    let begin = Instant::now();
     let points_in: Vec<SurfacePoint> = points::read(&flags.points)?;
     let solution = Solution::load(&flags.solution)?;
-    let mut log = Log::new(flags.device.quiet);
+    let mut log = Log::new(console);
     let machine = Machine::open(&flags.device, &log)?;
     log.event(&Event::Stage { name: "readout" });
     let stop = interrupt();
@@ -37,5 +50,13 @@ pub fn run(flags: Flags) -> Result<()> {
     log.finish();
     points::write(&flags.output, &points_in, &answers)?;
     log.line(&format!("wrote {}{}", flags.output.display(), off_surface(&answers)));
-    Ok(())
+    let count = |status| answers.iter().filter(|a| a.status == status).count();
+    Ok(Done::new(json!({
+        "command": "query",
+        "output": flags.output.display().to_string(),
+        "points": answers.len(),
+        "off_surface": count(Status::OffSurface),
+        "covered": count(Status::Covered),
+        "seconds": begin.elapsed().as_secs_f64(),
+    })))
 }

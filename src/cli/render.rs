@@ -1,5 +1,7 @@
 //! `raycell render`: a picture, from a solution or straight from a scene.
 
+use super::console::Console;
+use super::exit::Done;
 use super::log::Log;
 use super::shared::camera::{self, Camera};
 use super::shared::interrupt::{heed, interrupt};
@@ -11,9 +13,21 @@ use crate::progress::Event;
 use crate::scene::Scene;
 use crate::solution::Solution;
 use clap::Args;
+use serde_json::json;
 use std::path::PathBuf;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  raycell render out/solution.rcell --eye 2.8,2.7,-8 --target 2.8,2.7,2.8 -o view.png
+      A picture to look at; its exposure is chosen from the picture.
+  raycell render out/solution.rcell --camera room.json --width 1920 --height 1080 -o view.exr
+      Linear radiance, W/m2/sr, for further work.
+  raycell render room.obj --camera room.json --exposure 2 -o view.png
+      Straight from a scene: bakes first, and keeps no solution.";
 
 #[derive(Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Flags {
     /// Solution (.rcell), or a scene (.obj) to be baked first.
     pub input: PathBuf,
@@ -28,14 +42,15 @@ pub struct Flags {
     pub device: Device,
 }
 
-pub fn run(flags: Flags) -> Result<()> {
+pub fn run(flags: Flags, console: &Console) -> Result<Done> {
+    let begin = Instant::now();
     image::check_name(&flags.output)?;
     let camera = camera::camera(&flags.camera)?.ok_or(Error::InvalidParam {
         name: "camera",
         value: "none".into(),
         range: "give --eye and --target, or --camera FILE",
     })?;
-    let mut log = Log::new(flags.device.quiet);
+    let mut log = Log::new(console);
     let stop = interrupt();
     let is_solution = flags.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("rcell"));
     let (machine, solution) = if is_solution {
@@ -60,5 +75,12 @@ pub fn run(flags: Flags) -> Result<()> {
     let tone = image::write(&flags.output, &picture, flags.camera.exposure)?;
     let note = tone.map_or(" (linear radiance)".into(), |t| format!(" ({t})"));
     log.line(&format!("wrote {}{note}", flags.output.display()));
-    Ok(())
+    Ok(Done::new(json!({
+        "command": "render",
+        "output": flags.output.display().to_string(),
+        "width": camera.width,
+        "height": camera.height,
+        "exposure": tone.map(|t| t.exposure),
+        "seconds": begin.elapsed().as_secs_f64(),
+    })))
 }

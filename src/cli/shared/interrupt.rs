@@ -1,6 +1,6 @@
 //! Ctrl-C: the first ends a bake in order, the second at once.
 
-use super::super::{code, log::Log};
+use super::super::{exit, log::Log};
 use crate::progress::{Event, Flow};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +18,7 @@ pub fn interrupt() -> Arc<AtomicBool> {
     // Where no handler can be set, Ctrl-C ends the process at once, as ever.
     let _ = ctrlc::set_handler(move || {
         if raised.swap(true, Ordering::Relaxed) {
-            std::process::exit(code::INTERRUPTED.into());
+            std::process::exit(exit::INTERRUPTED.into());
         }
     });
     stop

@@ -17,9 +17,6 @@ pub struct Device {
     /// Only adapters whose name contains this.
     #[arg(long, value_name = "SUBSTRING")]
     pub adapter: Option<String>,
-    /// Say nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
