@@ -51,7 +51,6 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
-        Error::Strict { .. } => ("strict", USAGE),
         Error::NotContractive { .. } => ("not_contractive", USAGE),
         Error::NoDevice { .. } => ("no_device", NO_DEVICE),
         Error::Limit { .. } => ("limit", NO_DEVICE),
