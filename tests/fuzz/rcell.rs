@@ -94,17 +94,18 @@ fn mended(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut header = values.next()?.ok()?;
     let end = PREAMBLE + values.byte_offset();
     let start = end + bytes[end..].iter().position(|&b| b != b' ').unwrap_or(bytes.len() - end);
-    let sections = header["sections"].as_array_mut()?;
-    let first = sections.first()?["offset"].as_u64()?;
+    let sections = header.get_mut("sections")?.as_array_mut()?;
+    let first = sections.first()?.get("offset")?.as_u64()?;
     // Offsets have ten digits at most, so that the header's length does not depend on them.
     let room = 24 * sections.len() as u64;
     let moved = (end as u64).checked_add(room)?;
     for s in sections {
-        let (offset, length) = (s["offset"].as_u64()?, s["length"].as_u64()?);
+        let s = s.as_object_mut()?;
+        let (offset, length) = (s.get("offset")?.as_u64()?, s.get("length")?.as_u64()?);
         let from = usize::try_from(offset.wrapping_sub(first)).ok().and_then(|o| o.checked_add(start));
         let range = from.and_then(|from| Some(from..from.checked_add(usize::try_from(length).ok()?)?));
-        s["crc"] = crc32fast::hash(range.and_then(|r| bytes.get(r)).unwrap_or_default()).into();
-        s["offset"] = offset.wrapping_sub(first).wrapping_add(moved).into();
+        s.insert("crc".into(), crc32fast::hash(range.and_then(|r| bytes.get(r)).unwrap_or_default()).into());
+        s.insert("offset".into(), offset.wrapping_sub(first).wrapping_add(moved).into());
     }
     let mut text = serde_json::to_vec(&header).ok()?;
     if (PREAMBLE + text.len()) as u64 > moved {
