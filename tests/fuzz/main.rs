@@ -4,9 +4,11 @@
 //! failed lies in `tests/data/fuzz/` and is read first, for ever. `RAYCELL_FUZZ_CASES` sets another number of cases.
 
 mod alloc;
+mod gltf;
 mod mtl;
 mod mutate;
 mod obj;
+mod toml;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
