@@ -6,12 +6,11 @@ use std::path::Path;
 
 /// Bytes as text. What is not UTF-8 is taken for Latin-1, as old exporters write names: every byte has its
 /// own letter, so that names that differ stay different.
-pub fn decode(bytes: Vec<u8>) -> String {
-    let text = String::from_utf8(bytes).unwrap_or_else(|e| e.as_bytes().iter().map(|&b| b as char).collect());
-    match text.strip_prefix('\u{feff}') {
-        Some(rest) => rest.into(),
-        None => text,
+pub fn decode(mut bytes: Vec<u8>) -> String {
+    if bytes.starts_with("\u{feff}".as_bytes()) {
+        bytes.drain(..3);
     }
+    String::from_utf8(bytes).unwrap_or_else(|e| e.as_bytes().iter().map(|&b| b as char).collect())
 }
 
 /// The statements of a text. A backslash at a line's end continues it.
