@@ -64,7 +64,7 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let mut log = Log::new(console);
     let stop = interrupt();
     let scene = scene::load(&flags.scene, &flags.reading, &mut log, &stop)?;
-    let camera = scene::camera(camera, &flags.reading, &scene)?;
+    let camera = scene::camera(camera, flags.camera.view.as_deref(), &scene)?;
     let load = begin.elapsed();
     let machine = Machine::open(&flags.device, &log)?;
     let backend = &machine.backend;

@@ -11,6 +11,7 @@ use super::shared::scene::{self, Reading};
 use crate::error::{Error, Result};
 use crate::output::image;
 use crate::progress::Event;
+use crate::scene::LoadOptions;
 use crate::solution::{self, Solution};
 use clap::Args;
 use serde_json::json;
@@ -57,6 +58,9 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let is_solution = flags.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("rcell"));
     let (machine, solution, camera) = if is_solution {
         let camera = wanted(camera)?;
+        if flags.camera.view.is_some() || scene::options(&flags.reading) != LoadOptions::default() {
+            log.warning("--unit, --up, --kd-space, --two-sided, --strict and --view are for scene files; this is a solution");
+        }
         let n = &flags.network;
         if n.seed.is_some() || n.rays.is_some() || n.cells.is_some() || n.direct.is_some() {
             log.warning("--seed, --rays, --cells and --direct shape a bake; this solution is already baked");
@@ -66,7 +70,7 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     } else {
         let params = network::params(&flags.network)?;
         let scene = scene::load(&flags.input, &flags.reading, &mut log, &stop)?;
-        let camera = wanted(scene::camera(camera, &flags.reading, &scene)?)?;
+        let camera = wanted(scene::camera(camera, flags.camera.view.as_deref(), &scene)?)?;
         let machine = Machine::open(&flags.device, &log)?;
         let baked = crate::bake(&machine.backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
         let solution = machine.judge("the bake", baked)?;

@@ -29,9 +29,6 @@ pub struct Reading {
     /// Refuse the scene where reading it would be worth a warning.
     #[arg(long)]
     pub strict: bool,
-    /// Camera of the scene file to render, where no flag tells another [default: the first].
-    #[arg(long, value_name = "NAME")]
-    pub view: Option<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -70,11 +67,11 @@ pub fn load(path: &Path, flags: &Reading, log: &mut Log, stop: &AtomicBool) -> R
 }
 
 /// The camera to render with: that of the flags, else one of the scene's; none where there is none.
-pub fn camera(of_flags: Option<Camera>, flags: &Reading, scene: &Scene) -> Result<Option<Camera>> {
-    let Some(name) = &flags.view else {
+pub fn camera(of_flags: Option<Camera>, view: Option<&str>, scene: &Scene) -> Result<Option<Camera>> {
+    let Some(name) = view else {
         return Ok(of_flags.or_else(|| scene.cameras.first().map(|v| v.camera)));
     };
-    match scene.cameras.iter().find(|v| v.name == *name) {
+    match scene.cameras.iter().find(|v| v.name == name) {
         Some(view) => Ok(of_flags.or(Some(view.camera))),
         None => Err(Error::InvalidParam {
             name: "--view",
