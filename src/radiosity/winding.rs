@@ -1,6 +1,6 @@
 //! Bad winding, as a bake's own rays show it: surfaces that light meets from behind, emitters that light nothing.
 
-use crate::layout::{NONE, Point, kind};
+use crate::layout::{NONE, Point, TWIN, kind};
 use crate::scene::{Geometry, Scene};
 use crate::twin::emit::first_hit;
 use crate::twin::math::{cosine_direction, seed_of, unit};
@@ -48,7 +48,8 @@ impl Winding {
 
         // Emitters, each by its own area: of small ones a batch holds no ray.
         let mut shining = vec![Vec::new(); scene.objects.len()];
-        for e in &geometry.emitters {
+        // One that shines both ways is not wound wrong.
+        for e in geometry.emitters.iter().filter(|e| geometry.tris[e.tri as usize].plane & TWIN == 0) {
             shining[object(e.tri)].push(e.tri);
         }
         let emitters = shining.par_iter().map(|tris| (!tris.is_empty()).then(|| shoot(geometry, tris))).collect();
