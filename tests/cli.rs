@@ -130,7 +130,11 @@ fn promised_flags_and_commands_are_refused_by_name() {
 #[test]
 fn no_device_is_3_and_never_the_twin_in_silence() {
     let dir = grey();
-    dir.refuses("bake s.obj --adapter no-such-thing", 3, &["raycell: error: no usable GPU device", "--backend cpu"]);
+    dir.refuses(
+        "bake s.obj --adapter no-such-thing",
+        3,
+        &["raycell: error: --adapter no-such-thing names nothing to run on; there is: ", "--backend cpu"],
+    );
     let listed = dir.run("adapters --backend vulkan --adapter no-such-thing");
     let text = String::from_utf8_lossy(&listed.stdout);
     assert!(listed.status.success() && text.contains("--backend cpu") && !text.contains("would be used"), "{text}");

@@ -6,6 +6,7 @@
 pub mod buffer;
 pub mod device;
 pub mod dispatch;
+mod failure;
 pub mod kernel;
 pub mod readback;
 pub mod sentinel;
@@ -13,6 +14,7 @@ pub mod wgsl;
 
 pub use buffer::GpuVec;
 pub use dispatch::{HEAVY, Job, LIGHT};
+pub use failure::Watch;
 pub use kernel::{Access, Kernel, Pipeline};
 
 use crate::error::{Error, Result};
@@ -129,6 +131,6 @@ pub(crate) fn scoped<T>(device: &wgpu::Device, stage: impl Fn() -> String, work:
     let errors = [validation.pop(), internal.pop(), memory.pop()].map(pollster::block_on);
     match errors.into_iter().flatten().next() {
         None => Ok(value),
-        Some(e) => Err(Error::Device { stage: stage(), why: e.to_string() }),
+        Some(e) => Err(failure::of(device, stage(), e)),
     }
 }
