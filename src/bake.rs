@@ -16,6 +16,7 @@ use crate::params::{Direct, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
 use crate::solution::Solution;
@@ -109,7 +110,7 @@ pub fn bake_from(
     let geometry = Geometry::new(scene)?;
     let bvh = start.elapsed().as_secs_f64();
     let resumed = !saved.is_empty();
-    saved.claim(Key::new(backend, &geometry, params), &geometry)?;
+    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
     let warnings = doctor::warnings(scene, &geometry);
     for warning in &warnings {
         progress.event(Event::Warning(warning.clone()))?;
@@ -246,6 +247,12 @@ fn pilot<E: Engine>(
     };
     let batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
 
+    // What the pilot's rays met from behind is wound the wrong way round.
+    let winding = Winding::count(scene, geometry, &engine.points(&batches[0])?).warnings(scene);
+    for warning in &winding {
+        progress.event(Event::Warning(warning.clone()))?;
+    }
+
     // Importance: what each tile sends in the pilot's light.
     let (nodes, light) = (saved.network.nodes.clone().unwrap_or_default(), saved.network.light.clone());
     let carried: Vec<f64> = clock.time(engine, "train", |engine| {
@@ -266,7 +273,7 @@ fn pilot<E: Engine>(
     })?;
     progress.tick()?;
     let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &batches, &carried, count))?;
-    Ok(Pilot { nodes, light, carried, density })
+    Ok(Pilot { nodes, light, carried, density, winding })
 }
 
 /// Trains and solves one network, as far as it is not in the checkpoint already. Returns its rays.

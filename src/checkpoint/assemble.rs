@@ -36,7 +36,7 @@ impl Checkpoint {
             partial: !self.is_whole(),
             reached: self.reached(),
             energy: self.energy.clone().unwrap_or_default(),
-            warnings,
+            warnings: [warnings, self.pilot.as_ref().map_or(Vec::new(), |p| p.winding.clone())].concat(),
             ..Report::default()
         };
         let (nodes, light, cells, system) = match (net, &self.pilot) {

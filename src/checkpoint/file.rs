@@ -24,7 +24,8 @@ struct Header {
     content: String,
     key: Option<Key>,
     tiles: bool,
-    pilot: bool,
+    /// What the pilot's rays met from behind; none until the pilot is done.
+    pilot: Option<Vec<String>>,
     nodes: bool,
     rays: u32,
     growth: Option<GrowthHeader>,
@@ -53,7 +54,7 @@ impl Checkpoint {
             content: CONTENT.into(),
             key: self.key.clone(),
             tiles: self.tiles.is_some(),
-            pilot: self.pilot.is_some(),
+            pilot: self.pilot.as_ref().map(|p| p.winding.clone()),
             nodes: net.nodes.is_some(),
             rays: net.rays,
             growth: growth.map(|g| GrowthHeader { training: g.training, batch: g.batch, at: g.at, lloyd: g.lloyd, done: g.done }),
@@ -134,12 +135,13 @@ impl Checkpoint {
             }
         };
         let pilot = match header.pilot {
-            false => None,
-            true => Some(Pilot {
+            None => None,
+            Some(winding) => Some(Pilot {
                 nodes: file.get("pilot_nodes")?,
                 light: file.get("pilot_light")?,
                 carried: file.get("carried")?,
                 density: file.get("density")?,
+                winding,
             }),
         };
         Ok(Checkpoint {

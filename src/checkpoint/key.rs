@@ -2,7 +2,7 @@
 
 use crate::engine::Backend;
 use crate::params::Params;
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Scene};
 use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Key {
     /// Version of raycell.
     raycell: String,
-    /// Digest of the triangles, as prepared.
+    /// Digest of the triangles, as prepared, and of the objects they make up.
     triangles: String,
     /// Digest of reflectances and emissions.
     materials: String,
@@ -22,7 +22,7 @@ pub(crate) struct Key {
 
 impl Key {
     /// The key of a bake.
-    pub fn new(backend: &Backend, geometry: &Geometry, params: &Params) -> Key {
+    pub fn new(backend: &Backend, scene: &Scene, geometry: &Geometry, params: &Params) -> Key {
         let device = match backend {
             Backend::Cpu => "cpu".into(),
             Backend::Gpu(gpu) => {
@@ -30,9 +30,12 @@ impl Key {
                 format!("{} ({:?}, {} {})", i.name, i.backend, i.driver, i.driver_info)
             }
         };
+        // Warnings name objects.
+        let objects: Vec<u32> = scene.faces.iter().map(|f| f.object).collect();
+        let names = scene.objects.join("\n");
         Key {
             raycell: env!("CARGO_PKG_VERSION").into(),
-            triangles: digest(&[bytes(&geometry.tris), bytes(&[geometry.scale])]),
+            triangles: digest(&[bytes(&geometry.tris), bytes(&[geometry.scale]), bytes(&objects), names.as_bytes()]),
             materials: digest(&[bytes(&geometry.materials), bytes(&[geometry.emission_scale])]),
             device,
             params: params.clone(),
@@ -54,7 +57,7 @@ impl Key {
             return changed("the device", &self.device, &now.device);
         }
         if self.triangles != now.triangles {
-            return Some("the scene's triangles have changed".into());
+            return Some("the scene's triangles or its objects' names have changed".into());
         }
         if self.materials != now.materials {
             return Some("the scene's materials have changed".into());
@@ -89,7 +92,10 @@ mod tests {
             let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, z]];
             Scene::from_triangles("s", &[(corners, 0)], vec![Material::new("m", [kd; 3], [1.0; 3])]).unwrap()
         };
-        let key = |z, kd, params: Params| Key::new(&Backend::Cpu, &Geometry::new(&scene(z, kd)).unwrap(), &params);
+        let key = |z, kd, params: Params| {
+            let scene = scene(z, kd);
+            Key::new(&Backend::Cpu, &scene, &Geometry::new(&scene).unwrap(), &params)
+        };
         let base = key(0.0, 0.5, Params::default());
         let differs = |other: Key, part: &str| {
             let said = base.difference(&other).expect(part);

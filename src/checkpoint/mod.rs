@@ -51,6 +51,8 @@ pub(crate) struct Pilot {
     pub carried: Vec<f64>,
     /// Node density of each tile.
     pub density: Vec<f64>,
+    /// What its rays met from behind, in words.
+    pub winding: Vec<String>,
 }
 
 /// A network as far as it is trained, in the order in which it is.

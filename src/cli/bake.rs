@@ -9,6 +9,7 @@ use super::shared::kept::{self, Kept};
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
 use super::shared::points::off_surface;
+use super::shared::scene::{self, Reading};
 use crate::bake_from;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
@@ -21,6 +22,7 @@ use crate::scene::Scene;
 use crate::solution::{self, Answer, Image, Solution, SurfacePoint};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
@@ -43,7 +45,7 @@ Examples:
 #[derive(Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Flags {
-    /// Scene to light: an .obj file with its .mtl.
+    /// Scene to light: .obj with its .mtl, .gltf, .glb or .toml.
     pub scene: PathBuf,
     /// Folder for the results, made where it does not exist.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
@@ -62,6 +64,8 @@ pub struct Flags {
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
+    pub reading: Reading,
+    #[command(flatten)]
     pub camera: Camera,
     #[command(flatten)]
     pub network: Network,
@@ -74,10 +78,12 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let params = network::params(&flags.network)?;
     let camera = camera::camera(&flags.camera)?;
     let points_in = flags.points.as_deref().map(points::read).transpose()?;
-    let scene = Scene::load(&flags.scene)?;
-    let load = begin.elapsed();
     check_folder(&flags.output)?;
     let mut log = Log::new(console);
+    let stop = interrupt();
+    let scene = scene::load(&flags.scene, &flags.reading, &mut log, &stop)?;
+    let camera = scene::camera(camera, flags.camera.view.as_deref(), &scene)?;
+    let load = begin.elapsed();
     let machine = Machine::open(&flags.device, &log)?;
     let dir = &flags.output;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
@@ -93,7 +99,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         report.seconds.total = Some(begin.elapsed().as_secs_f64());
     };
     let baked = there.is_none();
-    let worked = work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log);
+    let worked = work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop);
     let Found { mut solution, answers, picture, mesh, readout } = match worked {
         Ok(found) => found,
         Err(error) => {
@@ -156,26 +162,26 @@ fn work(
     checkpoint: &mut Checkpoint,
     asked: &Asked,
     log: &mut Log,
+    stop: &AtomicBool,
 ) -> Result<Found> {
     let backend = &machine.backend;
-    let stop = interrupt();
     let solution = match there {
         Some(solution) => {
             log.line("the bake is done already: only reading out");
             solution
         }
         None => {
-            let baked = bake_from(backend, scene, params, checkpoint, &mut |event| heed(log, &stop, event));
+            let baked = bake_from(backend, scene, params, checkpoint, &mut |event| heed(log, stop, event));
             machine.judge("the bake", baked)?
         }
     };
     let begin = Instant::now();
     log.event(&Event::Stage { name: "readout" });
-    let answers = asked.points.map(|p| solution.query_with(backend, p, &mut |event| heed(log, &stop, event))).transpose();
+    let answers = asked.points.map(|p| solution.query_with(backend, p, &mut |event| heed(log, stop, event))).transpose();
     let answers = machine.judge("the points", answers)?;
-    let picture = asked.camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(log, &stop, event))).transpose();
+    let picture = asked.camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(log, stop, event))).transpose();
     let picture = machine.judge("the picture", picture)?;
-    let mesh = asked.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, &stop, event))).transpose();
+    let mesh = asked.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, stop, event))).transpose();
     let mesh = machine.judge("the vertices", mesh)?;
     Ok(Found { solution, answers, picture, mesh, readout: begin.elapsed() })
 }

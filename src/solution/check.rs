@@ -1,7 +1,7 @@
 //! Whether the parts of a network that was read fit each other and the scene, so that no pass can read
 //! outside of them or make a NaN of them. Each check names the first thing wrong.
 
-use crate::layout::{Link, Node, NodeLight, Plane};
+use crate::layout::{Link, Node, NodeLight, Plane, TWIN};
 use crate::scene::Geometry;
 use crate::twin::jacobi::System;
 
@@ -20,7 +20,7 @@ pub(crate) fn nodes(geometry: &Geometry, nodes: &[Node]) -> Checked {
     let node = |n: &Node| {
         let length = n.n.iter().map(|x| x * x).sum::<f32>();
         n.material < materials
-            && n.plane < geometry.pieces
+            && n.plane & !TWIN < geometry.pieces
             && n.p.iter().all(|x| x.abs() < 1.0 + SLACK)
             && (length - 1.0).abs() < SLACK
             && finite(&n.mean)

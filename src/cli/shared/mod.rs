@@ -6,3 +6,4 @@ pub mod kept;
 pub mod machine;
 pub mod network;
 pub mod points;
+pub mod scene;
