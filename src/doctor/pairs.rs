@@ -179,10 +179,14 @@ fn cover(mesh: &Mesh, i: u32, j: u32) -> Option<DVec3> {
     Some((b[0] + b[1] + b[2]) / 3.0)
 }
 
-/// Whether a surface with two faces has the place all to itself, as the bottom of a box has its upper side.
+/// Whether one face of a sheet with two lies where nobody looks: on the inside of its own object, as the upper
+/// face of a box's bottom does, or towards nothing.
 fn hides(mesh: &Mesh, tri: u32, place: DVec3) -> bool {
     let n = mesh.normal(tri).as_vec3();
-    let mine = |sight: Sight| matches!(sight, Sight::Front(t, _) if mesh.patch[t as usize] == mesh.patch[tri as usize]);
+    let unseen = |sight: Sight| match sight {
+        Sight::Void => true,
+        Sight::Front(t, _) | Sight::Back(t, _) => mesh.object(t) == mesh.object(tri),
+    };
     let above = place.as_vec3() + n * (2.0 * LEVEL as f32);
-    mesh.mirror[tri as usize] != NONE && (0..RAYS).all(|i| mine(mesh.look_about(above, n, NONE, &mut Dice::new(6, i)).0))
+    mesh.mirror[tri as usize] != NONE && (0..RAYS).all(|i| unseen(mesh.look_about(above, n, NONE, &mut Dice::new(6, i)).0))
 }
