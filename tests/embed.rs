@@ -155,7 +155,7 @@ fn slow_frames_with_timestamps_and_a_picture() {
         height: 24,
     };
     let scene = cornell();
-    let mut baker = Baker::new(&device, &queue, &scene, few_rays()).unwrap().picture(camera.clone()).unwrap();
+    let mut baker = Baker::new(&device, &queue, &scene, few_rays()).unwrap().picture(camera).unwrap();
     let mut frames = 0;
     while frame(&device, &queue, &mut baker).unwrap() != Ready::Done {
         std::thread::sleep(Duration::from_millis(5));
