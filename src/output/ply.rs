@@ -13,6 +13,8 @@ pub struct Mesh {
     pub vertices: Vec<Vertex>,
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
+    /// Index into [`crate::Scene::faces`] of each triangle, ascending.
+    pub sources: Vec<u32>,
 }
 
 /// A vertex of a [`Mesh`].
@@ -63,7 +65,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("v.ply");
         let vertex = Vertex { p: [1.0, 2.0, 3.0], n: [0.0, 1.0, 0.0], b: [0.5, 0.25, 0.0] };
-        write(&path, &Mesh { vertices: vec![vertex; 3], faces: vec![[0, 1, 2]] }).unwrap();
+        write(&path, &Mesh { vertices: vec![vertex; 3], faces: vec![[0, 1, 2]], sources: vec![0] }).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let end = b"end_header\n";
         let body = bytes.windows(end.len()).position(|w| w == end).unwrap() + end.len();

@@ -37,7 +37,7 @@ impl Solution {
 
     /// As [`Solution::vertices`], telling its progress.
     pub fn vertices_with(&self, backend: &Backend, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Mesh> {
-        let (corners, faces) = self.corners();
+        let (corners, faces, sources) = self.corners();
         let points: Vec<Point> = corners
             .iter()
             .map(|c| {
@@ -63,19 +63,19 @@ impl Solution {
                 Ok(Vertex { p, n: c.normal.to_array(), b: answer.b.map(|b| b as f32) })
             })
             .collect::<Result<_>>()?;
-        Ok(Mesh { vertices, faces })
+        Ok(Mesh { vertices, faces, sources })
     }
 
-    /// The output vertices and the faces between them, in the order of the scene's faces.
-    fn corners(&self) -> (Vec<Corner>, Vec<[u32; 3]>) {
+    /// The output vertices, the faces between them in the order of the scene's faces, and which of the scene's these are.
+    fn corners(&self) -> (Vec<Corner>, Vec<[u32; 3]>, Vec<u32>) {
         let geometry = &self.geometry;
         let mut order: Vec<u32> = (0..geometry.tris.len() as u32).collect();
         order.sort_unstable_by_key(|&t| geometry.source[t as usize]);
         let mut corners: Vec<Corner> = Vec::new();
         let mut at: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
         let faces = order
-            .into_iter()
-            .map(|tri| {
+            .iter()
+            .map(|&tri| {
                 let t = &geometry.tris[tri as usize];
                 let normal = Vec3::from(t.normal);
                 let face = &self.scene.faces[geometry.source[tri as usize] as usize];
@@ -95,7 +95,8 @@ impl Solution {
                 })
             })
             .collect();
-        (corners, faces)
+        let sources = order.iter().map(|&t| geometry.source[t as usize]).collect();
+        (corners, faces, sources)
     }
 }
 
