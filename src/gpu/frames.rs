@@ -47,8 +47,10 @@ struct State {
     closed: bool,
     /// What is known of each kernel.
     paces: HashMap<&'static str, Pace>,
-    /// Slices recorded and not known to be done.
-    in_flight: usize,
+    /// A slice is recorded and not known to be done.
+    in_flight: bool,
+    /// A recorded slice was thrown away: what it should have done is missing.
+    unsubmitted: bool,
     /// Seconds until the host hears of a frame without a slice.
     delay: f64,
 }
@@ -72,6 +74,19 @@ struct Slice {
     dispatches: f64,
     /// Seconds; NaN where its one kernel was never measured.
     planned: f64,
+}
+
+/// A slice that the host has. Dropped while in flight, it was never submitted.
+struct Sent(Arc<Frames>);
+
+impl Drop for Sent {
+    fn drop(&mut self) {
+        let mut state = self.0.state();
+        if std::mem::take(&mut state.in_flight) {
+            state.unsubmitted = true;
+            self.0.changed.notify_all();
+        }
+    }
 }
 
 /// A device that tells the time of its passes.
@@ -103,7 +118,8 @@ impl Frames {
         Ok(())
     }
 
-    /// Sleeps until a callback has sent. Errors: [`Error::Cancelled`] where the host is gone.
+    /// Sleeps until a callback has sent. Errors: [`Error::Cancelled`] where the host is gone, [`Error::Device`]
+    /// where it threw a slice away.
     pub fn wait_for<T>(&self, arrived: &mpsc::Receiver<T>) -> Result<T> {
         let mut state = self.state();
         loop {
@@ -112,6 +128,10 @@ impl Frames {
             }
             if state.closed {
                 return Err(Error::Cancelled);
+            }
+            if state.unsubmitted {
+                let why = "commands with the bake's work were dropped instead of submitted".into();
+                return Err(Error::Device { stage: "the host's frame".into(), why });
             }
             state = self.changed.wait(state).unwrap_or_else(|e| e.into_inner());
         }
@@ -137,7 +157,7 @@ impl Frames {
     /// Whether [`Frames::record`] would record something.
     pub fn ready(&self) -> bool {
         let state = self.state();
-        !state.works.is_empty() && state.in_flight == 0
+        !state.works.is_empty() && !state.in_flight
     }
 
     /// Whether all work has been recorded.
@@ -157,8 +177,8 @@ impl Frames {
         let start = Instant::now();
         let mut state = self.state();
         let frames = self.clone();
-        if state.in_flight > 0 || state.works.is_empty() {
-            if state.in_flight == 0 && timer.is_none() {
+        if state.in_flight || state.works.is_empty() {
+            if !state.in_flight && timer.is_none() {
                 encoder.on_submitted_work_done(move || frames.state().delay = start.elapsed().as_secs_f64());
             }
             return false;
@@ -188,18 +208,24 @@ impl Frames {
             None
         };
 
-        state.in_flight += 1;
+        state.in_flight = true;
         match slice {
-            Some((slice, Some(stamps))) => stamps.read(device, encoder, move |seconds| {
-                frames.state().done(seconds.map(|seconds| (slice, seconds)));
-            }),
-            slice => encoder.on_submitted_work_done(move || {
-                let mut state = frames.state();
-                // How long the device was at it: less what the host takes to hear of anything.
-                let heard = start.elapsed().as_secs_f64();
-                let seconds = (heard - state.delay).max(SURE * heard);
-                state.done(slice.map(|(slice, _)| (slice, seconds)));
-            }),
+            Some((slice, Some(stamps))) => {
+                let sent = Sent(frames);
+                stamps.read(device, encoder, move |seconds| {
+                    sent.0.state().done(seconds.map(|seconds| (slice, seconds)));
+                });
+            }
+            slice => {
+                let sent = Sent(frames);
+                encoder.on_submitted_work_done(move || {
+                    let mut state = sent.0.state();
+                    // How long the device was at it: less what the host takes to hear of anything.
+                    let heard = start.elapsed().as_secs_f64();
+                    let seconds = (heard - state.delay).max(SURE * heard);
+                    state.done(slice.map(|(slice, _)| (slice, seconds)));
+                })
+            }
         }
         true
     }
@@ -274,7 +300,7 @@ impl State {
 
     /// A slice is done: learns from the seconds it took, where they are known.
     fn done(&mut self, took: Option<(Slice, f64)>) {
-        self.in_flight = self.in_flight.saturating_sub(1);
+        self.in_flight = false;
         let Some((slice, seconds)) = took else { return };
         let items = (seconds - DISPATCH * slice.dispatches).max(0.0);
         let planned = slice.planned - DISPATCH * slice.dispatches;
