@@ -13,6 +13,8 @@ use std::time::{Duration, Instant};
 
 /// Part of what a pass allows a dispatch that goes into a kernel's first slice, which is measured.
 const PROBE: f64 = 1.0 / 2048.0;
+/// Slices that may be on the device at a time: one runs, one is ready.
+const IN_FLIGHT: usize = 2;
 /// Bytes copied or cleared a second, as planned: slow enough for any bus.
 const COPY_RATE: f64 = 2e9;
 /// Seconds of a dispatch apart from its items.
@@ -26,6 +28,8 @@ const FASTER: f64 = 1.15;
 const SLOWER: f64 = 3.0;
 /// Part of the time until the host hears of a slice that is taken for the device's, whatever the host's delay.
 const SURE: f64 = 0.1;
+/// Seconds between two pieces of news that are one.
+const AT_ONCE: f64 = 1e-4;
 /// Bytes that are not divided further.
 const PIECE: u64 = 1 << 18;
 /// How much a slice may outgrow the longest of its kernel so far: a first measurement may be far off.
@@ -47,8 +51,10 @@ struct State {
     closed: bool,
     /// What is known of each kernel.
     paces: HashMap<&'static str, Pace>,
-    /// A slice is recorded and not known to be done.
-    in_flight: bool,
+    /// Slices recorded and not known to be done.
+    in_flight: usize,
+    /// When the host last heard that a slice was done.
+    heard: Option<Instant>,
     /// A recorded slice was thrown away: what it should have done is missing.
     unsubmitted: bool,
     /// Seconds until the host hears of a frame without a slice.
@@ -76,15 +82,18 @@ struct Slice {
     planned: f64,
 }
 
-/// A slice that the host has. Dropped while in flight, it was never submitted.
-struct Sent(Arc<Frames>);
+/// A slice that the host has. Dropped before it is done, it was never submitted.
+struct Sent {
+    frames: Arc<Frames>,
+    done: bool,
+}
 
 impl Drop for Sent {
     fn drop(&mut self) {
-        let mut state = self.0.state();
-        if std::mem::take(&mut state.in_flight) {
+        if !self.done {
+            let mut state = self.frames.state();
             state.unsubmitted = true;
-            self.0.changed.notify_all();
+            self.frames.changed.notify_all();
         }
     }
 }
@@ -157,7 +166,7 @@ impl Frames {
     /// Whether [`Frames::record`] would record something.
     pub fn ready(&self) -> bool {
         let state = self.state();
-        !state.works.is_empty() && !state.in_flight
+        !state.works.is_empty() && state.in_flight < IN_FLIGHT
     }
 
     /// Whether all work has been recorded.
@@ -177,8 +186,8 @@ impl Frames {
         let start = Instant::now();
         let mut state = self.state();
         let frames = self.clone();
-        if state.in_flight || state.works.is_empty() {
-            if !state.in_flight && timer.is_none() {
+        if state.in_flight >= IN_FLIGHT || state.works.is_empty() {
+            if state.in_flight == 0 && timer.is_none() {
                 encoder.on_submitted_work_done(move || frames.state().delay = start.elapsed().as_secs_f64());
             }
             return false;
@@ -208,22 +217,22 @@ impl Frames {
             None
         };
 
-        state.in_flight = true;
+        state.in_flight += 1;
         match slice {
             Some((slice, Some(stamps))) => {
-                let sent = Sent(frames);
+                let mut sent = Sent { frames, done: false };
                 stamps.read(device, encoder, move |seconds| {
-                    sent.0.state().done(seconds.map(|seconds| (slice, seconds)));
+                    sent.done = true;
+                    sent.frames.state().done(seconds.map(|seconds| (slice, seconds)));
                 });
             }
             slice => {
-                let sent = Sent(frames);
+                let mut sent = Sent { frames, done: false };
                 encoder.on_submitted_work_done(move || {
-                    let mut state = sent.0.state();
-                    // How long the device was at it: less what the host takes to hear of anything.
-                    let heard = start.elapsed().as_secs_f64();
-                    let seconds = (heard - state.delay).max(SURE * heard);
-                    state.done(slice.map(|(slice, _)| (slice, seconds)));
+                    sent.done = true;
+                    let mut state = sent.frames.state();
+                    let took = state.hear(start);
+                    state.done(slice.and_then(|(slice, _)| took.map(|took| (slice, took))));
                 })
             }
         }
@@ -254,6 +263,7 @@ impl State {
         left: &mut f64,
         in_time: impl Fn(f64) -> bool,
     ) -> Slice {
+        let alone = self.in_flight == 0;
         let mut slice = Slice { kernels: Vec::new(), dispatches: 0.0, planned: 0.0 };
         while in_time(*left) {
             let Some(Work::Dispatch { job, first }) = self.works.front_mut() else { break };
@@ -271,7 +281,7 @@ impl State {
                     part(job, *first, (wanted / pace.seconds).min(GROWTH * pace.tried))
                 }
                 // Alone in its slice, and small, so that its time is its own.
-                None if slice.kernels.is_empty() => part(job, *first, PROBE),
+                None if alone && slice.kernels.is_empty() => part(job, *first, PROBE),
                 None => break,
             };
             let part = *first..*first + items;
@@ -298,9 +308,19 @@ impl State {
         slice
     }
 
+    /// The host hears that a slice is done that was recorded at `start`: how long the device was at it, less what
+    /// the host takes to hear of anything. None where it heard of two at once.
+    fn hear(&mut self, start: Instant) -> Option<f64> {
+        let now = Instant::now();
+        // A slice begins when the one before it is done.
+        let begin = self.heard.replace(now).map_or(start, |heard| heard.max(start));
+        let heard = (now - begin).as_secs_f64();
+        (begin == start || heard > AT_ONCE).then(|| (heard - self.delay).max(SURE * heard))
+    }
+
     /// A slice is done: learns from the seconds it took, where they are known.
     fn done(&mut self, took: Option<(Slice, f64)>) {
-        self.in_flight = false;
+        self.in_flight = self.in_flight.saturating_sub(1);
         let Some((slice, seconds)) = took else { return };
         let items = (seconds - DISPATCH * slice.dispatches).max(0.0);
         let planned = slice.planned - DISPATCH * slice.dispatches;
