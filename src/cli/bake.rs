@@ -9,10 +9,10 @@ use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
 use super::shared::points::off_surface;
 use crate::error::{Error, Result};
-use crate::output::{image, ply, points, report};
+use crate::output::{glb, image, ply, points, report};
 use crate::progress::Event;
 use crate::scene::Scene;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -22,8 +22,8 @@ Examples:
       Light a scene; the results lie in the folder out.
   raycell bake room.obj --camera room.json -o lit
       Also lit/picture.exr and lit/picture.png, seen by the camera in room.json.
-  raycell bake room.obj --points points.csv --vertices
-      Also the light at points of your choice, and a mesh with the light at its vertices.
+  raycell bake room.obj --points points.csv --vertices=glb
+      Also the light at points of your choice, and a mesh with the light in its vertex colours.
   raycell bake room.obj --rays 4194304 --seed 7
       Finer: the error falls about as rays^-0.3. Another seed shows how much is noise.
   raycell bake room.obj --json --quiet
@@ -42,15 +42,23 @@ pub struct Flags {
     /// Also answer these points: CSV with px,py,pz,nx,ny,nz; written to points.csv.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Also write vertices.ply, the radiosity at every vertex.
-    #[arg(long)]
-    pub vertices: bool,
+    /// Also write the light at every vertex: vertices.ply, or with =glb vertices.glb.
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "ply")]
+    pub vertices: Option<Vertices>,
     #[command(flatten)]
     pub camera: Camera,
     #[command(flatten)]
     pub network: Network,
     #[command(flatten)]
     pub device: Device,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Vertices {
+    /// Radiosity in W/m2, beside colours to look at.
+    Ply,
+    /// Binary glTF with radiance B/pi in COLOR_0, for engines and viewers.
+    Glb,
 }
 
 pub fn run(flags: Flags, console: &Console) -> Result<Done> {
@@ -77,7 +85,7 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let answers = machine.judge("the points", answers)?;
     let picture = camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(&mut log, &stop, event))).transpose();
     let picture = machine.judge("the picture", picture)?;
-    let mesh = flags.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(&mut log, &stop, event))).transpose();
+    let mesh = flags.vertices.map(|_| solution.vertices_with(backend, &mut |event| heed(&mut log, &stop, event))).transpose();
     let mesh = machine.judge("the vertices", mesh)?;
     log.finish();
     let readout = begin_readout.elapsed();
@@ -89,9 +97,16 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
         points::write(&dir.join("points.csv"), p, a)?;
         wrote("points.csv", &off_surface(a));
     }
-    if let Some(mesh) = &mesh {
-        ply::write(&dir.join("vertices.ply"), mesh)?;
-        wrote("vertices.ply", "");
+    match (flags.vertices, &mesh) {
+        (Some(Vertices::Ply), Some(mesh)) => {
+            ply::write(&dir.join("vertices.ply"), mesh)?;
+            wrote("vertices.ply", "");
+        }
+        (Some(Vertices::Glb), Some(mesh)) => {
+            glb::write(&dir.join("vertices.glb"), mesh)?;
+            wrote("vertices.glb", " (linear radiance in COLOR_0)");
+        }
+        _ => {}
     }
     if let Some(picture) = &picture {
         image::write(&dir.join("picture.exr"), picture, None)?;
