@@ -34,6 +34,14 @@ pub enum Error {
         /// What to do.
         cure: String,
     },
+    /// A scene that is odd, where the caller wants none.
+    #[error("{what}; {cure}, or leave --strict out")]
+    Strict {
+        /// The first warning: file, line, and what is odd.
+        what: String,
+        /// What to do.
+        cure: String,
+    },
     /// The scene holds no triangle with an area.
     #[error("{scene}: the scene has no triangle with an area; export faces, not only points or lines")]
     EmptyScene {
@@ -62,9 +70,11 @@ pub enum Error {
     },
     /// A reflectance outside [0, 1).
     #[error(
-        "material '{material}': reflectance {value} in the {band} band is not in [0, 1); lower Kd below 1 (a white wall is about 0.85)"
+        "{place}: material '{material}': reflectance {value} in the {band} band is not in [0, 1); lower it below 1 (a white wall is about 0.85)"
     )]
     InvalidReflectance {
+        /// File and line, or the scene's name.
+        place: String,
         /// The material's name.
         material: String,
         /// red, green or blue.
@@ -73,8 +83,10 @@ pub enum Error {
         value: f64,
     },
     /// An emission that is negative or not finite.
-    #[error("material '{material}': emission {value} in the {band} band is not a finite number >= 0; correct Ke")]
+    #[error("{place}: material '{material}': emission {value} in the {band} band is not a finite number >= 0; correct it")]
     InvalidEmission {
+        /// File and line, or the scene's name.
+        place: String,
         /// The material's name.
         material: String,
         /// red, green or blue.

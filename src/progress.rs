@@ -11,6 +11,13 @@ pub enum Event {
         /// Its name, as in the report's `seconds`.
         name: &'static str,
     },
+    /// Bytes of a scene file read so far, counting each as often as it is gone through.
+    Read {
+        /// Done.
+        done: u64,
+        /// Of how many.
+        total: u64,
+    },
     /// Rays of the stage shot so far.
     Rays {
         /// Done.

@@ -42,6 +42,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::Read { .. } => ("read", USAGE),
         Error::Write { .. } => ("write", USAGE),
         Error::Format { .. } => ("format", USAGE),
+        Error::Strict { .. } => ("strict", USAGE),
         Error::EmptyScene { .. } => ("empty_scene", USAGE),
         Error::InvalidVertex { .. } => ("invalid_vertex", USAGE),
         Error::IndexOutOfRange { .. } => ("index_out_of_range", USAGE),

@@ -61,6 +61,7 @@ impl Log {
                 self.rays = *done;
                 self.advance(*done, *total, "rays");
             }
+            Event::Read { done, total } => self.advance(done >> 10, total >> 10, "KiB"),
             Event::Points { done, total } => self.advance(*done, *total, "points"),
             Event::Cells { count } => {
                 self.cells = *count;

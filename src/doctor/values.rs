@@ -24,8 +24,8 @@ pub fn input(scene: &Scene) -> Vec<Finding> {
 /// Materials that a bake refuses, in its own words.
 pub fn materials(scene: &Scene) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for (m, material) in scene.materials.iter().enumerate() {
-        let Err(error) = material.check() else { continue };
+    for m in 0..scene.materials.len() {
+        let Err(error) = scene.check_material(m) else { continue };
         let (check, number, unit) = match &error {
             Error::InvalidReflectance { value, .. } => (Check::Reflectance, *value, "reflectance"),
             Error::InvalidEmission { value, .. } => (Check::Emission, *value, "W/m2/sr"),

@@ -2,15 +2,21 @@
 
 mod distribution;
 mod geometry;
+mod load;
+mod mtl;
 mod obj;
+mod polygon;
+mod sides;
 mod surface;
+mod text;
 
 pub use distribution::cumulative;
 pub use geometry::Geometry;
+pub use load::{KdSpace, LoadOptions, Up};
 pub use surface::Located;
 
 use crate::error::{Error, Result};
-use std::path::Path;
+use crate::solution::Camera;
 
 /// A diffuse material in user units, linear Rec.709 RGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,12 +39,17 @@ impl Material {
     ///
     /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
     pub fn check(&self) -> Result<()> {
+        self.check_at("in memory")
+    }
+
+    fn check_at(&self, place: &str) -> Result<()> {
         for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
+            let (place, material) = (place.to_string(), self.name.clone());
             if !(0.0..1.0).contains(&self.reflectance[k]) {
-                return Err(Error::InvalidReflectance { material: self.name.clone(), band, value: self.reflectance[k] });
+                return Err(Error::InvalidReflectance { place, material, band, value: self.reflectance[k] });
             }
             if !(self.emission[k].is_finite() && self.emission[k] >= 0.0) {
-                return Err(Error::InvalidEmission { material: self.name.clone(), band, value: self.emission[k] });
+                return Err(Error::InvalidEmission { place, material, band, value: self.emission[k] });
             }
         }
         Ok(())
@@ -56,6 +67,15 @@ pub struct Face {
     pub object: u32,
 }
 
+/// A camera of a scene file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Its name in the file.
+    pub name: String,
+    /// The camera, metres.
+    pub camera: Camera,
+}
+
 /// A scene as its author wrote it: metres, f64, one-sided triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -69,27 +89,15 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Object names, for messages.
     pub objects: Vec<String>,
+    /// File and line of each material, for messages; empty where the scene does not come from files.
+    pub material_places: Vec<String>,
+    /// Cameras the file holds, in its order.
+    pub cameras: Vec<View>,
     /// What was odd on reading, in words for the user.
     pub warnings: Vec<String>,
 }
 
 impl Scene {
-    /// Reads a scene file (`.obj` with its `.mtl`).
-    ///
-    /// Errors: [`Error::Read`], [`Error::Format`], and those of [`Scene::check`].
-    pub fn load(path: impl AsRef<Path>) -> Result<Scene> {
-        let scene = Scene::read(path)?;
-        scene.check()?;
-        Ok(scene)
-    }
-
-    /// [`Scene::load`] without [`Scene::check`], for [`crate::doctor`], who has more to say of a sick scene.
-    ///
-    /// Errors: [`Error::Read`], [`Error::Format`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Scene> {
-        obj::read_obj(path.as_ref())
-    }
-
     /// A scene from triangles in memory: three corners (metres) and a material index each.
     ///
     /// Errors: those of [`Scene::check`].
@@ -135,7 +143,12 @@ impl Scene {
                 });
             }
         }
-        self.materials.iter().try_for_each(Material::check)
+        (0..self.materials.len()).try_for_each(|m| self.check_material(m))
+    }
+
+    /// As [`Material::check`], of a material of this scene; the error names the file and line it comes from.
+    pub fn check_material(&self, material: usize) -> Result<()> {
+        self.materials[material].check_at(self.material_places.get(material).unwrap_or(&self.name))
     }
 
     /// The corners of a triangle, metres.

@@ -1,66 +1,80 @@
-//! OBJ + MTL, as people's exporters really write them.
+//! OBJ files, as people's exporters really write them.
 //!
-//! The OBJ statements are read here, because every error must name its line and every vertex must keep
+//! The statements are read here, because every error must name its line and every vertex must keep
 //! the number its author gave it (tobj renumbers vertices per mesh, takes polylines for triangles and
-//! refuses a whole file for a one-dimensional `vt`). MTL values go through tobj, after a scan that finds
-//! bad lines and passes on only what is used (tobj panics on `Kd 0.5`).
+//! refuses a whole file for a one-dimensional `vt`).
 
-use super::*;
-use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use super::load::Reader;
+use super::mtl::Library;
+use super::polygon::{Cut, cut};
+use super::text::{Statements, Unread, bad, decode, name, split, words};
+use super::{Face, Scene};
+use crate::error::{Error, Result};
+use crate::progress::Event;
+use std::collections::HashMap;
+use std::path::Path;
 
-/// Reflectance where the MTL says nothing.
-const GREY: f64 = 0.5;
-/// A reflectance of 1, as exporters write for "white", becomes this.
-const NEARLY_ONE: f64 = 0.98;
-/// The last reflectance that counts as 1.
-const ONE: f64 = 1.0 + 1e-6;
+/// Bytes of text between two tellings of progress.
+const STEP: usize = 1 << 20;
 
-/// Reads an OBJ file with its materials. Faces of more than three corners are cut into fans.
+/// Reads an OBJ file with its materials. Polygons are cut into triangles; an object is a `o` or `g` name.
+/// The reflectance of the materials that `overridden` names comes from elsewhere.
 ///
-/// Errors: [`Error::Read`], [`Error::Format`], [`Error::InvalidVertex`] and [`Error::IndexOutOfRange`]
-/// with file and line.
-pub fn read_obj(path: &Path) -> Result<Scene> {
-    let text = read_text(path)?;
+/// Errors: [`Error::Read`], [`Error::Format`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`], with file and line.
+pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<Scene> {
+    let text = decode(reader.read(path)?);
     let place = |line: usize| format!("{}:{line}", path.display());
     let mut scene = Scene { name: path.display().to_string(), ..Scene::default() };
     let mut library = Library::default();
+    let mut unread = Unread::default();
+    let total = 2 * text.len() as u64;
+    let mut told = 0;
+    let mut tell = |reader: &mut Reader, at: usize| {
+        if at < told + STEP {
+            return Ok(());
+        }
+        told = at;
+        reader.progress.event(Event::Read { done: at as u64, total })
+    };
 
     // Vertices and libraries first: faces may name what comes after them.
-    for (line, statement) in statements(&text) {
+    let mut lines = Statements::new(&text);
+    while let Some((line, statement)) = lines.next() {
+        tell(reader, lines.at)?;
         match split(&statement) {
             ("v", rest) => {
-                let v = numbers(rest).filter(|v| v.len() >= 3).ok_or_else(|| bad(path, line, &statement, "three numbers"))?;
-                let (index, value) = (scene.vertices.len(), [v[0], v[1], v[2]]);
+                let value = position(rest).ok_or_else(|| bad(path, line, &statement, "three numbers"))?;
                 if !value.iter().all(|x| x.is_finite()) {
-                    return Err(Error::InvalidVertex { place: place(line), index, value });
+                    return Err(Error::InvalidVertex { place: place(line), index: scene.vertices.len(), value });
                 }
                 scene.vertices.push(value);
             }
-            ("mtllib", rest) => library.load(path, rest, &mut scene.warnings)?,
-            _ => {}
+            ("mtllib", rest) => library.load(path, line, name(rest), reader, &mut scene.warnings)?,
+            ("f" | "o" | "g" | "usemtl" | "vt" | "vn" | "s", _) => {}
+            ("fo", _) => unread.add("fo", line),
+            (key, _) if key.is_empty() || key.starts_with('#') => {}
+            (key, _) => unread.add(key, line),
         }
     }
 
     // Faces, under the names that hold where they stand.
     let count = scene.vertices.len();
     let mut seen = 0i64; // vertices so far, for relative indices
-    let (mut object, mut material) = ("unnamed".to_string(), None);
-    let mut objects: HashMap<String, u32> = HashMap::new();
-    let mut materials: HashMap<Option<String>, u32> = HashMap::new();
-    let (mut thin, mut concave) = (0, 0);
-    for (line, statement) in statements(&text) {
+    let mut names = Names::default();
+    let (mut object, mut material) = (None, None);
+    let (mut thin, mut crossing) = (Unread::default(), Unread::default());
+    let mut corners: Vec<u32> = Vec::new();
+    let mut lines = Statements::new(&text);
+    while let Some((line, statement)) = lines.next() {
+        tell(reader, text.len() + lines.at)?;
         match split(&statement) {
             ("v", _) => seen += 1,
-            ("o" | "g", "") => object = "unnamed".into(),
-            ("o" | "g", rest) => object = rest.into(),
-            ("usemtl", rest) => material = (!rest.is_empty()).then(|| rest.to_string()),
+            ("o" | "g", rest) => (object, names.object) = (None, name(rest).into()),
+            ("usemtl", rest) => (material, names.material) = (None, name(rest).into()),
             ("f", rest) => {
-                let mut corners = Vec::new();
+                corners.clear();
                 for word in words(rest) {
-                    let index: i64 = word
-                        .split('/')
-                        .next()
+                    let index: i64 = (word.split('/').next())
                         .and_then(|w| w.parse().ok())
                         .ok_or_else(|| bad(path, line, &statement, "vertex numbers"))?;
                     let from_0 = if index < 0 { seen.saturating_add(index) } else { index - 1 };
@@ -70,221 +84,90 @@ pub fn read_obj(path: &Path) -> Result<Scene> {
                     corners.push(from_0 as u32);
                 }
                 if corners.len() < 3 {
-                    thin += 1;
+                    thin.add("faces with fewer than three corners", line);
                     continue;
                 }
-                if !open_fan(&mut corners, &scene.vertices) {
-                    concave += 1;
-                }
-                let next = objects.len() as u32;
-                let object = *objects.entry(object.clone()).or_insert_with(|| {
-                    scene.objects.push(object.clone());
-                    next
-                });
-                let next = materials.len() as u32;
-                let material = *materials.entry(material.clone()).or_insert_with(|| {
-                    scene.materials.push(library.resolve(material.as_deref(), line, &mut scene.warnings));
-                    next
-                });
-                for pair in corners[1..].windows(2) {
-                    scene.faces.push(Face { vertices: [corners[0], pair[0], pair[1]], material, object });
+                let object = *object.get_or_insert_with(|| names.object(&mut scene));
+                let material = match material {
+                    Some(m) => m,
+                    None => *material.insert(names.material(&mut scene, &library, path, line, overridden)),
+                };
+                let Scene { vertices, faces, .. } = &mut scene;
+                let shape = cut(&corners, vertices, |t| faces.push(Face { vertices: t.map(|i| corners[i]), material, object }));
+                if shape == Cut::Overlapping {
+                    let object = &scene.objects[object as usize];
+                    crossing.add(&format!("polygons of '{object}' that cross themselves"), line);
                 }
             }
             _ => {}
         }
     }
-    if thin > 0 {
-        scene.warnings.push(format!("{thin} face(s) with fewer than three corners were left out"));
-    }
-    if concave > 0 {
-        scene.warnings.push(format!("{concave} polygon(s) cannot be cut into a fan without overlap; triangulate on export"));
-    }
+    unread.warn(path, &mut scene.warnings);
+    thin.warn(path, &mut scene.warnings);
+    crossing.warn_as(path, "cut into triangles that overlap", "triangulate on export", &mut scene.warnings);
     Ok(scene)
 }
 
-/// The materials of all MTL files that an OBJ names.
+/// The names that hold for the next face, and the numbers they have got.
 #[derive(Default)]
-struct Library {
-    /// Name to reflectance (where given) and emission.
-    entries: BTreeMap<String, (Option<[f64; 3]>, [f64; 3])>,
-    /// Materials with a texture that is not read.
-    textured: Vec<String>,
+struct Names {
+    object: String,
+    material: String,
+    objects: HashMap<String, u32>,
+    materials: HashMap<String, u32>,
 }
 
-impl Library {
-    /// Reads what a `mtllib` statement names; a file that is not there is worth a warning, no more.
-    fn load(&mut self, obj: &Path, names: &str, warnings: &mut Vec<String>) -> Result<()> {
-        let folder = obj.parent().unwrap_or(Path::new(""));
-        let find = |name: &str| {
-            let name = folder.join(name.replace('\\', "/"));
-            name.is_file().then_some(name)
-        };
-        // One name that may hold spaces, or several without.
-        let found: Vec<_> = match find(names) {
-            Some(file) => vec![file],
-            None => words(names)
-                .filter_map(|name| {
-                    let file = find(name);
-                    if file.is_none() {
-                        warnings.push(format!("material file '{name}' was not found beside {}", obj.display()));
-                    }
-                    file
-                })
-                .collect(),
-        };
-        for file in found {
-            self.read(&file)?;
-        }
-        Ok(())
+impl Names {
+    fn object(&mut self, scene: &mut Scene) -> u32 {
+        let name = if self.object.is_empty() { "unnamed" } else { &self.object };
+        *self.objects.entry(name.into()).or_insert_with(|| {
+            scene.objects.push(name.into());
+            scene.objects.len() as u32 - 1
+        })
     }
 
-    fn read(&mut self, path: &Path) -> Result<()> {
-        let text = read_text(path)?;
-        let mut clean = String::new();
-        let mut current = "";
-        let lines: Vec<_> = statements(&text).collect();
-        for (line, statement) in &lines {
-            match split(statement) {
-                ("newmtl", "") => return Err(bad(path, *line, statement, "a name")),
-                ("newmtl", name) => {
-                    current = name;
-                    clean += &format!("newmtl {name}\n");
-                }
-                (key @ ("Kd" | "Ke"), rest) => {
-                    // One number stands for three, says the format.
-                    let v = match numbers(rest).as_deref() {
-                        Some(&[v]) => [v; 3],
-                        Some(&[r, g, b]) => [r, g, b],
-                        _ => return Err(bad(path, *line, statement, "linear red, green and blue")),
-                    };
-                    clean += &format!("{key} {:?} {:?} {:?}\n", v[0], v[1], v[2]);
-                }
-                ("map_Kd" | "map_Ke", _) => self.textured.push(current.into()),
-                _ => {}
-            }
+    fn material(&mut self, scene: &mut Scene, library: &Library, path: &Path, line: usize, overridden: &[String]) -> u32 {
+        if let Some(&known) = self.materials.get(&self.material) {
+            return known;
         }
-        let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes()).map_err(|e| Error::Format {
-            path: path.into(),
-            line: None,
-            what: e.to_string(),
-            cure: "re-export the materials".into(),
-        })?;
-        for m in materials {
-            self.entries.insert(m.name, (m.diffuse, m.emissive.unwrap_or_default()));
-        }
-        Ok(())
-    }
-
-    /// The material that faces use from this line on, defaults filled in with a warning.
-    fn resolve(&self, name: Option<&str>, line: usize, warnings: &mut Vec<String>) -> Material {
-        let grey = format!("{GREY} grey is assumed");
-        let Some(name) = name else {
-            warnings.push(format!("faces from line {line} on have no material (no usemtl): {grey}"));
-            return Material { name: "default".into(), reflectance: [GREY; 3], emission: [0.0; 3] };
-        };
-        let entry = self.entries.get(name);
-        let mut reflectance = match entry {
-            None => {
-                warnings.push(format!("material '{name}' (line {line}) is in no material file: {grey}"));
-                [GREY; 3]
-            }
-            Some((None, _)) => {
-                warnings.push(format!("material '{name}' has no Kd: {grey}"));
-                [GREY; 3]
-            }
-            Some((Some(kd), _)) => *kd,
-        };
-        if reflectance.iter().any(|x| (1.0..=ONE).contains(x)) {
-            warnings.push(format!("material '{name}' reflects everything (Kd 1), which no surface does: {NEARLY_ONE} is taken"));
-            reflectance = reflectance.map(|x| if (1.0..=ONE).contains(&x) { NEARLY_ONE } else { x });
-        }
-        if self.textured.iter().any(|t| t == name) {
-            warnings.push(format!("material '{name}' has a texture; textures are not read yet, its Kd and Ke are used alone"));
-        }
-        Material { name: name.into(), reflectance, emission: entry.map_or([0.0; 3], |e| e.1) }
+        let name = (!self.material.is_empty()).then_some(self.material.as_str());
+        let (material, place) = library.resolve(name, path, line, overridden, &mut scene.warnings);
+        scene.materials.push(material);
+        scene.material_places.push(place);
+        let index = scene.materials.len() as u32 - 1;
+        self.materials.insert(self.material.clone(), index);
+        index
     }
 }
 
-/// The file as text; what is not UTF-8 (old exporters' names) is replaced, not refused.
-fn read_text(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.into(), source })?;
-    let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
-}
-
-/// Statements with the number of their first line; a backslash at a line's end continues it.
-fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
-    let mut lines = text.lines().enumerate();
-    std::iter::from_fn(move || {
-        let (number, line) = lines.next()?;
-        let mut statement = Cow::Borrowed(line.trim());
-        while statement.ends_with('\\') {
-            let more = lines.next().map_or("", |(_, more)| more.trim());
-            statement = Cow::Owned(format!("{} {more}", statement.trim_end_matches('\\')));
-        }
-        Some((number + 1, statement))
-    })
-}
-
-/// Keyword and the rest of a statement.
-fn split(statement: &str) -> (&str, &str) {
-    let end = statement.find(char::is_whitespace).unwrap_or(statement.len());
-    (&statement[..end], statement[end..].trim())
-}
-
-/// Words up to a comment.
-fn words(rest: &str) -> impl Iterator<Item = &str> {
-    rest.split_whitespace().take_while(|w| !w.starts_with('#'))
-}
-
-/// All words as numbers, or nothing.
-fn numbers(rest: &str) -> Option<Vec<f64>> {
-    words(rest).map(|w| w.parse().ok()).collect()
-}
-
-fn bad(path: &Path, line: usize, statement: &str, wanted: &str) -> Error {
-    let shown: String = statement.chars().take(60).collect();
-    Error::Format {
-        path: path.into(),
-        line: Some(line),
-        what: format!("'{shown}' does not hold {wanted}"),
-        cure: "correct the line or re-export the scene".into(),
-    }
-}
-
-/// Turns a polygon so that the fan from its first corner folds nowhere. False where no corner serves.
-fn open_fan(corners: &mut [u32], vertices: &[[f64; 3]]) -> bool {
-    if corners.len() == 3 {
-        return true;
-    }
-    let at = |c: u32| glam::DVec3::from_array(vertices[c as usize]);
-    let area = |c: &[u32], i: usize| (at(c[i]) - at(c[0])).cross(at(c[i + 1]) - at(c[0]));
-    let inner = 1..corners.len() - 1;
-    let normal: glam::DVec3 = inner.clone().map(|i| area(corners, i)).sum();
-    let slack = -1e-12 * normal.length_squared();
-    for _ in 0..corners.len() {
-        if inner.clone().all(|i| area(corners, i).dot(normal) >= slack) {
-            return true;
-        }
-        corners.rotate_left(1);
-    }
-    false
+/// The first three numbers of a `v`; a weight or a colour may follow.
+fn position(rest: &str) -> Option<[f64; 3]> {
+    let mut numbers = words(rest).map(|w| w.parse::<f64>());
+    let mut next = || numbers.next()?.ok();
+    let v = [next()?, next()?, next()?];
+    numbers.all(|n| n.is_ok()).then_some(v)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::progress::Flow;
+    use crate::scene::LoadOptions;
 
     const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
+    /// Reads an OBJ with the material file `s.mtl` beside it, if any, all in memory.
+    fn load_bytes(obj: &[u8], mtl: Option<&[u8]>, options: &LoadOptions) -> Result<Scene> {
+        let mut files = |path: &Path| match (path.to_str(), mtl) {
+            (Some("s.obj"), _) => Ok(obj.to_vec()),
+            (Some("s.mtl"), Some(mtl)) => Ok(mtl.to_vec()),
+            _ => Err(std::io::ErrorKind::NotFound.into()),
+        };
+        Scene::load_from(Path::new("s.obj"), options, &mut files, &mut |_| Flow::Continue)
+    }
+
     fn load(obj: &str, mtl: Option<&str>) -> Result<Scene> {
-        let dir = tempfile::tempdir().unwrap();
-        if let Some(mtl) = mtl {
-            std::fs::write(dir.path().join("s.mtl"), mtl).unwrap();
-        }
-        let path = dir.path().join("s.obj");
-        std::fs::write(&path, obj).unwrap();
-        Scene::load(&path)
+        load_bytes(obj.as_bytes(), mtl.map(str::as_bytes), &LoadOptions::default())
     }
 
     fn message(obj: &str, mtl: Option<&str>) -> String {
@@ -302,8 +185,8 @@ mod tests {
     }
 
     #[test]
-    fn polygons_become_fans_even_when_concave() {
-        // An arrow head, dented at its second corner: only two of its corners open a fan.
+    fn dented_polygons_are_cut_without_overlap() {
+        // An arrow head, dented at its second corner.
         let obj = "v 0 0 0\nv 1 .2 0\nv 2 0 0\nv 1 3 0\nf 1 2 3 4\n";
         let scene = load(obj, None).unwrap();
         assert_eq!(scene.faces.len(), 2);
@@ -337,7 +220,7 @@ mod tests {
     fn missing_materials_are_grey_with_a_warning() {
         let scene = load(TRIANGLE, None).unwrap();
         assert_eq!(scene.materials[0].reflectance, [0.5; 3]);
-        assert!(scene.warnings[0].contains("line 4"), "{:?}", scene.warnings);
+        assert!(scene.warnings[0].starts_with("s.obj:4: "), "{:?}", scene.warnings);
 
         let scene = load(&format!("mtllib gone.mtl\nusemtl wall\n{TRIANGLE}"), None).unwrap();
         assert_eq!(scene.materials[0].name, "wall");
@@ -352,7 +235,7 @@ mod tests {
     #[test]
     fn material_values_are_judged() {
         let with = |mtl: &str| load(&format!("mtllib s.mtl\nusemtl my wall\n{TRIANGLE}"), Some(mtl));
-        let scene = with("newmtl my wall\nKd 0.25\nillum x\nmap_Bump\nKs 1\n").unwrap();
+        let scene = with("newmtl my wall\nKd 0.25\nillum 2\nd 1.0\nNi 1.45\nKs 0 0 0\n").unwrap();
         assert_eq!(scene.materials[0].reflectance, [0.25; 3]);
         assert!(scene.warnings.is_empty());
         let scene = with("newmtl my wall\nKd 1.0000005 1 0.5 # white\n").unwrap();
@@ -376,21 +259,5 @@ mod tests {
             let got = with(mtl).expect_err(mtl).to_string();
             assert!(got.contains(part), "expected {part:?} in {got:?}");
         }
-    }
-
-    #[test]
-    fn noise_never_panics() {
-        let mut state = 1u32;
-        let pieces =
-            ["v ", "f ", "1 ", "-1 ", "0.5 ", "/", "\\\n", "\n", "#", "usemtl ", "mtllib s.mtl", "nan ", "o ", "é", "1e400 "];
-        for _ in 0..2000 {
-            let mut text = String::new();
-            for _ in 0..40 {
-                state = state.wrapping_mul(1664525).wrapping_add(1013904223);
-                text += pieces[(state >> 16) as usize % pieces.len()];
-            }
-            let _ = load(&text, None);
-        }
-        assert!(matches!(Scene::load("no/such.obj"), Err(Error::Read { .. })));
     }
 }

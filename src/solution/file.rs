@@ -114,7 +114,7 @@ impl Solution {
                 .map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission })
                 .collect(),
             objects: header.objects,
-            warnings: Vec::new(),
+            ..Scene::default()
         };
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {
             return Err(fail("section 'faces' names an object that is not there".into()));
