@@ -5,6 +5,8 @@ use serde_json::Value;
 
 /// Done.
 pub const DONE: u8 = 0;
+/// `doctor` found something.
+pub const FOUND: u8 = 1;
 /// Bad input or usage.
 pub const USAGE: u8 = 2;
 /// No usable device.

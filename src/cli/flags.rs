@@ -1,7 +1,7 @@
 //! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
 
 use super::console::Console;
-use super::{adapters, bake, completions, man, query, render};
+use super::{adapters, bake, completions, doctor, man, query, render};
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
@@ -20,7 +20,6 @@ const NOT_BUILT: &[(&str, &str)] = &[
     ("sweep", "bake with several --rays"),
     ("paper", "bakes run in flux mode"),
     ("explain", "every bake has diffuse light with exact shadows"),
-    ("doctor", "read the warnings of a bake"),
 ];
 
 /// A refusal that names the first promised but unbuilt flag or command in the arguments.
@@ -49,7 +48,7 @@ Examples:
       All flags of a command, with examples; -h is the short of it.";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 a target was not reached; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
+Exit codes: 0 done; 1 doctor found something; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
 wgpu's own variables (WGPU_BACKEND, WGPU_ADAPTER_NAME, ...) are honoured; flags win.";
 
 /// What was built in: a bug report needs it.
@@ -100,6 +99,8 @@ pub enum Command {
     Query(query::Flags),
     /// A picture, from a solution or straight from a scene.
     Render(render::Flags),
+    /// Say what is wrong with a scene: each fault with its object, a number and the cure.
+    Doctor(doctor::Flags),
     /// List what raycell can run on, and with which limits.
     Adapters(adapters::Flags),
     /// Manual pages: the main one to stdout, or all of them into a folder.
@@ -160,7 +161,7 @@ mod tests {
         assert!(
             not_built(&args("raycell bake a.obj --target-error=5")).unwrap().starts_with("--target-error is not built yet; ")
         );
-        assert!(not_built(&args("raycell doctor a.obj")).unwrap().starts_with("doctor"));
+        assert!(not_built(&args("raycell explain a.obj")).unwrap().starts_with("explain"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());
         assert!(not_built(&args("raycell bake -- --mode")).is_none());

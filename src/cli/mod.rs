@@ -4,6 +4,7 @@ mod adapters;
 mod bake;
 mod completions;
 mod console;
+mod doctor;
 mod exit;
 mod flags;
 mod log;
@@ -64,6 +65,7 @@ fn obey(command: Command, console: &Console) -> Result<Done> {
         Command::Bake(flags) => bake::run(flags, console),
         Command::Query(flags) => query::run(flags, console),
         Command::Render(flags) => render::run(flags, console),
+        Command::Doctor(flags) => doctor::run(flags),
         Command::Adapters(flags) => adapters::run(flags),
         Command::Man(flags) => man::run(flags, console),
         Command::Completions(flags) => completions::run(flags),

@@ -27,8 +27,8 @@ pub fn duplicate(scene: &Scene, geometry: &Geometry) -> Vec<Finding> {
     }
     tally.findings(|[object, first], seen| {
         let (name, of) = (name(scene, object), name(scene, first));
-        let twice = if object == first { "are there twice".into() } else { format!("repeat object '{of}'") };
-        let message = format!("object '{name}': {} that {twice}, left out", count(seen.count, "triangle"));
+        let twice = if object == first { String::new() } else { format!(" of object '{of}'") };
+        let message = format!("object '{name}': {}{twice} repeated, left out", count(seen.count, "triangle"));
         let cure = "delete the copy in the modeller";
         let finding = Finding::new(Check::Duplicate, name, seen.count as f64, "triangles", message, cure);
         Finding { other: (object != first).then(|| of.into()), ..finding }

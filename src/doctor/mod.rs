@@ -3,14 +3,23 @@
 //! [`examine`] looks for everything (`docs/doctor.md`: the checks and their thresholds); a bake looks
 //! for what costs nothing and warns in the same words.
 
+mod emitters;
 mod faces;
 mod finding;
+mod light;
+mod mesh;
+mod nearest;
+mod open;
+mod pairs;
+mod rays;
 mod tally;
 mod values;
+mod winding;
 
 pub use finding::{Check, Finding, Severity};
 
 use crate::error::Result;
+use crate::pass::check_depth;
 use crate::scene::{Geometry, Scene};
 use std::borrow::Cow;
 
@@ -18,12 +27,14 @@ use std::borrow::Cow;
 ///
 /// The scene may come from [`Scene::read`]: materials that a bake refuses are findings here.
 ///
-/// Errors: those of [`Geometry::new`], materials apart.
+/// Errors: those of [`Geometry::new`], materials apart; [`crate::Error::Limit`] where the hierarchy is too deep.
 pub fn examine(scene: &Scene) -> Result<Vec<Finding>> {
     let mut findings = values::materials(scene);
     let scene = lightable(scene);
     let geometry = Geometry::new(&scene)?;
+    check_depth(&geometry.nodes)?;
     findings.extend(quick(&scene, &geometry));
+    findings.extend(costly(&scene, &geometry));
     Ok(findings)
 }
 
@@ -35,6 +46,18 @@ fn quick(scene: &Scene, geometry: &Geometry) -> Vec<Finding> {
     findings.extend(values::unit(scene, geometry));
     findings.extend(values::far(scene, geometry));
     findings.extend(values::no_emitter(scene, geometry));
+    findings
+}
+
+/// The checks that weld the mesh, shoot rays, and compare triangles: seconds for a million of them.
+fn costly(scene: &Scene, geometry: &Geometry) -> Vec<Finding> {
+    let mesh = mesh::Mesh::new(scene, geometry);
+    let met = light::meet(&mesh);
+    let (away, mut findings) = emitters::facing_away(&mesh);
+    let wrong = winding::wrong(&mesh, &met, &away);
+    findings.extend(winding::flipped(&mesh, &wrong));
+    findings.extend(open::open(&mesh));
+    findings.extend(pairs::pairs(&mesh, &wrong));
     findings
 }
 

@@ -46,7 +46,7 @@ pub fn unit(scene: &Scene, geometry: &Geometry) -> Option<Finding> {
     let size = geometry.extent();
     let guess = match size {
         s if s > LONG => "millimetres or centimetres",
-        s if s < SHORT => "kilometres or inches",
+        s if s < SHORT => "kilometres or another larger unit",
         _ => return None,
     };
     let message = format!("{}: the scene is {} long; its numbers look like {guess}, not metres", scene.name, metres(size));

@@ -67,16 +67,7 @@ impl SceneBuffers {
     ///
     /// Errors: [`Error::Limit`] where the hierarchy is too deep for the traversal stack or a buffer too large.
     pub fn new(gpu: &Gpu, geometry: &Geometry) -> Result<SceneBuffers> {
-        let depth = depth(&geometry.nodes);
-        if depth > STACK {
-            return Err(Error::Limit {
-                what: "the scene's hierarchy".into(),
-                limit: "traversal stack",
-                need: depth as u64,
-                have: STACK as u64,
-                cure: "split very long triangles, or remove repeated geometry",
-            });
-        }
+        check_depth(&geometry.nodes)?;
         Ok(SceneBuffers {
             nodes: gpu.upload("nodes", &geometry.nodes)?,
             tris: gpu.upload("tris", &geometry.tris)?,
@@ -116,6 +107,21 @@ impl SurfaceBuffers {
             lambda: surface.lambda,
         })
     }
+}
+
+/// Refuses a hierarchy that is too deep for the traversal stack, on the device and in the twin.
+pub(crate) fn check_depth(nodes: &[BvhNode]) -> Result<()> {
+    let depth = depth(nodes);
+    if depth <= STACK {
+        return Ok(());
+    }
+    Err(Error::Limit {
+        what: "the scene's hierarchy".into(),
+        limit: "traversal stack",
+        need: depth as u64,
+        have: STACK as u64,
+        cure: "split very long triangles, or remove repeated geometry",
+    })
 }
 
 /// Most inner nodes on a way from the root to a leaf: what the traversal stack must hold.

@@ -14,6 +14,7 @@ pub use distribution::cumulative;
 pub use geometry::Geometry;
 pub use load::{KdSpace, LoadOptions, Up};
 pub use surface::Located;
+pub(crate) use surface::nearest_on_triangle;
 
 use crate::error::{Error, Result};
 use crate::solution::Camera;
