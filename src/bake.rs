@@ -34,6 +34,7 @@ const PILOT_CELLS: u32 = 512;
 /// Nodes of the pilot network.
 const PILOT_NODES: usize = 400;
 /// Rays in a batch.
+#[doc(hidden)]
 pub const BATCH: u32 = 65_536;
 
 /// A trained and solved network.

@@ -3,16 +3,25 @@
 //! [`Gpu`] works on a device that its host owns: it never makes one, never prints, and waits only in
 //! [`Gpu::read`] and [`Gpu::wait`]. [`device`] opens a device for those who have none.
 
+#[doc(hidden)]
 pub mod buffer;
 pub mod device;
+#[doc(hidden)]
 pub mod dispatch;
+#[doc(hidden)]
 pub mod kernel;
+#[doc(hidden)]
 pub mod readback;
+#[doc(hidden)]
 pub mod sentinel;
+#[doc(hidden)]
 pub mod wgsl;
 
+#[doc(hidden)]
 pub use buffer::GpuVec;
+#[doc(hidden)]
 pub use dispatch::{HEAVY, Job, LIGHT};
+#[doc(hidden)]
 pub use kernel::{Access, Kernel, Pipeline};
 
 use crate::error::{Error, Result};
@@ -88,11 +97,13 @@ impl Gpu {
     }
 
     /// The buffer of finished flags, to bind as `status`.
+    #[doc(hidden)]
     pub fn status(&self) -> &wgpu::Buffer {
         self.status.buffer()
     }
 
     /// The place of a kernel in `status`, for its `params.flag`.
+    #[doc(hidden)]
     pub fn flag(&self, kernel: &Kernel) -> u32 {
         wgsl::KERNELS.iter().position(|(name, _)| *name == kernel.name).unwrap_or(0) as u32
     }
@@ -100,6 +111,7 @@ impl Gpu {
     /// Waits, and says whether all that ran came to its end. Call it before results are trusted.
     ///
     /// Errors: [`Error::Unfinished`] naming the kernel, [`Error::Device`].
+    #[doc(hidden)]
     pub fn check_finished(&self) -> Result<()> {
         let raised = self.read(&self.status)?;
         match raised.iter().position(|&flag| flag != 0) {

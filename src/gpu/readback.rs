@@ -8,6 +8,7 @@ use std::sync::mpsc;
 /// How long a callback may take once the work is done.
 const CALLBACK: std::time::Duration = std::time::Duration::from_secs(10);
 
+#[doc(hidden)]
 impl Gpu {
     /// Waits until all submitted work is done.
     pub fn wait(&self) -> Result<()> {

@@ -10,9 +10,12 @@ mod sides;
 mod surface;
 mod text;
 
+#[doc(hidden)]
 pub use distribution::cumulative;
+#[doc(hidden)]
 pub use geometry::Geometry;
 pub use load::{KdSpace, LoadOptions, Up};
+#[doc(hidden)]
 pub use surface::Located;
 pub(crate) use surface::nearest_on_triangle;
 
