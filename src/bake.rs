@@ -15,6 +15,7 @@ use crate::params::{Direct, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
 use crate::solution::Solution;
@@ -161,6 +162,12 @@ fn run<E: Engine>(
         &names,
     )?;
 
+    // What the pilot's rays met from behind is wound the wrong way round.
+    let winding = Winding::count(scene, geometry, &engine.points(&pilot.batches[0])?).warnings(scene);
+    for warning in &winding {
+        progress.event(Event::Warning(warning.clone()))?;
+    }
+
     // Importance: what each tile sends in the pilot's light.
     let carried: Vec<f64> = clock.time(engine, "train", |engine| {
         engine.set_light(&pilot.light)?;
@@ -238,7 +245,7 @@ fn run<E: Engine>(
             error_bound: Some(full.solved.error_bound),
         },
         energy,
-        warnings: doctor::warnings(scene, geometry),
+        warnings: [doctor::warnings(scene, geometry), winding].concat(),
         ..Report::default()
     };
     report.memory_bytes.device = Some(engine.device_bytes());

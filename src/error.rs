@@ -138,7 +138,31 @@ pub enum Error {
         /// What to do.
         cure: &'static str,
     },
-    /// The device was lost or a command failed on it.
+    /// What was asked for by name is not there.
+    #[error("{asked} names nothing to run on; there is: {known}; correct it, leave it out, or use --backend cpu")]
+    NoSuchDevice {
+        /// The flag or variable, and its value.
+        asked: String,
+        /// The names there are.
+        known: String,
+    },
+    /// The device was lost: the driver reset, or the hardware went away.
+    #[error("the GPU was lost in {stage}: {why}; the driver may have reset: try again, another --adapter, or --backend cpu")]
+    DeviceLost {
+        /// The stage or pass.
+        stage: String,
+        /// The driver's reason.
+        why: String,
+    },
+    /// The device has no memory left.
+    #[error("the GPU is out of memory in {stage}: {why}; close what else uses it, lower --rays, or try another --adapter")]
+    OutOfMemory {
+        /// The stage, or what was to be allocated.
+        stage: String,
+        /// The driver's reason.
+        why: String,
+    },
+    /// A command failed on the device.
     #[error("the GPU failed in {stage}: {why}; the driver may have reset: try again, another --adapter, or --backend cpu")]
     Device {
         /// The stage or pass.

@@ -29,6 +29,10 @@ pub mod kind {
     pub const BACK: u32 = 3;
 }
 
+/// Bit of [`Tri::plane`]: a triangle with the same corners and opposite winding is there too. A ray then meets
+/// the one that faces it, and its back never.
+pub const TWIN: u32 = 1 << 31;
+
 /// A node of the bounding volume hierarchy (32 bytes, as obvhs builds it).
 /// `count == 0`: an inner node whose children are `first` and `first + 1`; else a leaf of `count`
 /// triangles from `first`.
@@ -55,7 +59,7 @@ pub struct Tri {
     pub material: u32,
     /// Second vertex.
     pub v1: [f32; 3],
-    /// Planar piece the triangle belongs to; rays never meet the piece that they leave.
+    /// Planar piece the triangle belongs to, maybe with [`TWIN`]; rays never meet the piece that they leave.
     pub plane: u32,
     /// Third vertex.
     pub v2: [f32; 3],

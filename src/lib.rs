@@ -22,7 +22,7 @@
 //! - **On a GPU:** [`gpu::Gpu::new`] takes a host's own device and queue (`examples/embed.rs`);
 //!   [`gpu::device::open`] opens one for those who have none. [`Backend::Cpu`] is the oracle:
 //!   plain Rust, slow, no driver.
-//! - **Scenes:** [`Scene::load`] reads OBJ with MTL, [`Scene::from_triangles`] takes what is in memory.
+//! - **Scenes:** [`Scene::load`] reads OBJ, glTF and TOML, [`Scene::from_triangles`] takes what is in memory.
 //!   Metres, linear Rec.709, surfaces lit on the side of their counter-clockwise winding.
 //! - **Results:** [`Solution::query`] at any points, [`Solution::render`] for pictures,
 //!   [`Solution::vertices`] for meshes, [`Solution::save`] for later. [`output`] writes the files.

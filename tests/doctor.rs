@@ -74,7 +74,7 @@ fn examples_point_at_the_fault() {
 #[test]
 fn what_is_sound_is_left_in_peace() {
     assert_eq!(findings("tests/data/broken/sound.obj"), []);
-    for name in ["blocker", "city", "cornell", "cornell_tess", "corridor", "furnace"] {
+    for name in ["blocker", "city", "cornell", "cornell_tess", "corridor", "furnace", "room"] {
         assert_eq!(findings(&format!("scenes/{name}/scene.obj")), [], "{name}");
     }
 }

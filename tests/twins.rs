@@ -78,7 +78,7 @@ fn too_large_a_buffer_is_a_typed_error() {
 fn an_unknown_adapter_is_a_typed_error_that_lists_what_there_is() {
     let e = open(BackendChoice::Auto, Some("no such adapter")).unwrap_err();
     let Error::NoDevice { why } = &e else { panic!("{e}") };
-    for line in list_adapters(BackendChoice::Auto, None) {
+    for line in list_adapters(BackendChoice::Auto, None).unwrap() {
         assert!(why.contains(&line.info.name), "{why}");
     }
 }

@@ -27,7 +27,7 @@ pub fn run(flags: Flags) -> Result<Done> {
     let mut text = String::new();
     let mut list = Vec::new();
     if let Some(choice) = choice(flags.device.backend) {
-        for line in device::list_adapters(choice, flags.device.adapter.as_deref()) {
+        for line in device::list_adapters(choice, flags.device.adapter.as_deref())? {
             let l = &line.limits;
             text += &format!(
                 "{line}\n    buffer {} MiB, binding {} MiB, {} storage buffers a stage, {} invocations, {} KiB workgroup memory\n",

@@ -8,10 +8,10 @@ use super::shared::interrupt::{heed, interrupt};
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
 use super::shared::points::off_surface;
+use super::shared::scene::{self, Reading};
 use crate::error::{Error, Result};
 use crate::output::{glb, image, ply, points, report};
 use crate::progress::Event;
-use crate::scene::Scene;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -34,7 +34,7 @@ Examples:
 #[derive(Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Flags {
-    /// Scene to light: an .obj file with its .mtl.
+    /// Scene to light: .obj with its .mtl, .gltf, .glb or .toml.
     pub scene: PathBuf,
     /// Folder for the results, made where it does not exist.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
@@ -45,6 +45,8 @@ pub struct Flags {
     /// Also write the light at every vertex: vertices.ply, or with =glb vertices.glb.
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "ply")]
     pub vertices: Option<Vertices>,
+    #[command(flatten)]
+    pub reading: Reading,
     #[command(flatten)]
     pub camera: Camera,
     #[command(flatten)]
@@ -66,14 +68,15 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let params = network::params(&flags.network)?;
     let camera = camera::camera(&flags.camera)?;
     let points_in = flags.points.as_deref().map(points::read).transpose()?;
-    let scene = Scene::load(&flags.scene)?;
-    let load = begin.elapsed();
     check_folder(&flags.output)?;
     let mut log = Log::new(console);
+    let stop = interrupt();
+    let scene = scene::load(&flags.scene, &flags.reading, &mut log, &stop)?;
+    let camera = scene::camera(camera, flags.camera.view.as_deref(), &scene)?;
+    let load = begin.elapsed();
     let machine = Machine::open(&flags.device, &log)?;
     let backend = &machine.backend;
 
-    let stop = interrupt();
     let baked = crate::bake(backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
     let mut solution = machine.judge("the bake", baked)?;
 

@@ -1,6 +1,7 @@
 //! `raycell doctor`: what is wrong with a scene.
 
 use super::exit::{DONE, Done, FOUND};
+use super::shared::scene::{self, Reading};
 use crate::doctor;
 use crate::error::Result;
 use crate::scene::Scene;
@@ -18,12 +19,14 @@ Examples:
 #[derive(Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Flags {
-    /// Scene to look at.
+    /// Scene to look at: .obj with its .mtl, .gltf, .glb or .toml.
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 pub fn run(flags: Flags) -> Result<Done> {
-    let scene = Scene::read(&flags.scene)?;
+    let scene = Scene::read_with(&flags.scene, &scene::options(&flags.reading))?;
     let findings = doctor::examine(&scene)?;
     let text = findings.iter().map(|f| format!("{}: {f}\n", f.check.name())).collect();
     let code = if findings.is_empty() { DONE } else { FOUND };

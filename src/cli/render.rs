@@ -7,11 +7,12 @@ use super::shared::camera::{self, Camera};
 use super::shared::interrupt::{heed, interrupt};
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
+use super::shared::scene::{self, Reading};
 use crate::error::{Error, Result};
 use crate::output::image;
 use crate::progress::Event;
-use crate::scene::Scene;
-use crate::solution::Solution;
+use crate::scene::LoadOptions;
+use crate::solution::{self, Solution};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -29,11 +30,13 @@ Examples:
 #[derive(Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Flags {
-    /// Solution (.rcell), or a scene (.obj) to be baked first.
+    /// Solution (.rcell), or a scene (.obj, .gltf, .glb, .toml) to be baked first.
     pub input: PathBuf,
     /// Picture: .exr for linear radiance, .png for a tone-mapped one.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
     #[command(flatten)]
     pub camera: Camera,
     #[command(flatten)]
@@ -45,28 +48,33 @@ pub struct Flags {
 pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let begin = Instant::now();
     image::check_name(&flags.output)?;
-    let camera = camera::camera(&flags.camera)?.ok_or(Error::InvalidParam {
-        name: "camera",
-        value: "none".into(),
-        range: "give --eye and --target, or --camera FILE",
-    })?;
+    let camera = camera::camera(&flags.camera)?;
+    let wanted = |camera: Option<solution::Camera>| {
+        let range = "give --eye and --target, or --camera FILE";
+        camera.ok_or(Error::InvalidParam { name: "camera", value: "none".into(), range })
+    };
     let mut log = Log::new(console);
     let stop = interrupt();
     let is_solution = flags.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("rcell"));
-    let (machine, solution) = if is_solution {
+    let (machine, solution, camera) = if is_solution {
+        let camera = wanted(camera)?;
+        if flags.camera.view.is_some() || scene::options(&flags.reading) != LoadOptions::default() {
+            log.warning("--unit, --up, --kd-space, --two-sided, --strict and --view are for scene files; this is a solution");
+        }
         let n = &flags.network;
         if n.seed.is_some() || n.rays.is_some() || n.cells.is_some() || n.direct.is_some() {
             log.warning("--seed, --rays, --cells and --direct shape a bake; this solution is already baked");
         }
         let solution = Solution::load(&flags.input)?;
-        (Machine::open(&flags.device, &log)?, solution)
+        (Machine::open(&flags.device, &log)?, solution, camera)
     } else {
         let params = network::params(&flags.network)?;
-        let scene = Scene::load(&flags.input)?;
+        let scene = scene::load(&flags.input, &flags.reading, &mut log, &stop)?;
+        let camera = wanted(scene::camera(camera, flags.camera.view.as_deref(), &scene)?)?;
         let machine = Machine::open(&flags.device, &log)?;
         let baked = crate::bake(&machine.backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
         let solution = machine.judge("the bake", baked)?;
-        (machine, solution)
+        (machine, solution, camera)
     };
     log.event(&Event::Stage { name: "readout" });
     let picture = solution.render_with(&machine.backend, &camera, &mut |event| heed(&mut log, &stop, event));

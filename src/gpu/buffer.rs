@@ -102,7 +102,7 @@ impl Gpu {
 
     /// A vector of `len` zeroed elements.
     ///
-    /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::Device`] where memory is short.
+    /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::OutOfMemory`] where memory is short.
     pub fn alloc<T: Pod>(&self, label: &'static str, len: usize) -> Result<GpuVec<T>> {
         GpuVec::allocate(&self.device, &self.bytes, label, len)
     }

@@ -1,8 +1,7 @@
 //! A headless device for the command line, tests and benches. Libraries that own a device need none of this.
 
-use super::Gpu;
+use super::{Gpu, Watch};
 use crate::error::{Error, Result};
-use std::sync::{Arc, Mutex};
 
 /// Which graphics interface to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,15 +20,47 @@ pub enum BackendChoice {
 }
 
 impl BackendChoice {
-    fn backends(self) -> wgpu::Backends {
-        match self {
-            BackendChoice::Auto => wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all()),
+    /// The interfaces meant. Errors: [`Error::NoSuchDevice`] where `WGPU_BACKEND` counts and names none.
+    fn backends(self) -> Result<wgpu::Backends> {
+        Ok(match self {
+            BackendChoice::Auto => asked_backends()?.unwrap_or(wgpu::Backends::all()),
             BackendChoice::Vulkan => wgpu::Backends::VULKAN,
             BackendChoice::Metal => wgpu::Backends::METAL,
             BackendChoice::Dx12 => wgpu::Backends::DX12,
             BackendChoice::Gl => wgpu::Backends::GL,
-        }
+        })
     }
+}
+
+/// A variable's value; an empty one says nothing.
+fn variable(name: &str) -> Option<String> {
+    std::env::var(name).ok().filter(|value| !value.trim().is_empty())
+}
+
+/// What `WGPU_BACKEND` asks for. wgpu passes over names that it does not know, and then finds nothing.
+fn asked_backends() -> Result<Option<wgpu::Backends>> {
+    let Some(value) = variable("WGPU_BACKEND") else { return Ok(None) };
+    if let Some(unknown) = value.split(',').find(|name| wgpu::Backends::from_comma_list(name).is_empty()) {
+        let asked = format!("WGPU_BACKEND={value}: '{}'", unknown.trim());
+        return Err(Error::NoSuchDevice { asked, known: "vulkan, metal, dx12, gl".into() });
+    }
+    Ok(Some(wgpu::Backends::from_comma_list(&value)))
+}
+
+/// What `WGPU_POWER_PREF` asks for.
+fn asked_power() -> Result<wgpu::PowerPreference> {
+    match (variable("WGPU_POWER_PREF"), wgpu::PowerPreference::from_env()) {
+        (Some(value), None) => {
+            Err(Error::NoSuchDevice { asked: format!("WGPU_POWER_PREF={value}"), known: "low, high, none".into() })
+        }
+        (_, preference) => Ok(preference.unwrap_or_default()),
+    }
+}
+
+/// The part of an adapter's name that is asked for, and how that is said.
+fn asked_name(adapter: Option<&str>) -> Option<(String, String)> {
+    let flag = adapter.filter(|name| !name.is_empty()).map(|name| (name.to_lowercase(), format!("--adapter {name}")));
+    flag.or_else(|| variable("WGPU_ADAPTER_NAME").map(|name| (name.to_lowercase(), format!("WGPU_ADAPTER_NAME={name}"))))
 }
 
 /// An opened device.
@@ -41,8 +72,8 @@ pub struct OpenDevice {
     pub queue: wgpu::Queue,
     /// What it runs on.
     pub info: wgpu::AdapterInfo,
-    /// What the device said when it was lost, or the first error that no scope caught.
-    pub failure: Arc<Mutex<Option<String>>>,
+    /// Hears when the device is lost, and of errors that no scope caught.
+    pub watch: Watch,
 }
 
 /// An adapter as `raycell adapters` lists it.
@@ -76,26 +107,29 @@ impl std::fmt::Display for AdapterLine {
 
 /// All adapters of a choice of backend, in the order of preference, with the one that would be used.
 ///
-/// `adapter` is part of an adapter's name, case ignored; without it `WGPU_ADAPTER_NAME` counts.
-pub fn list_adapters(backend: BackendChoice, adapter: Option<&str>) -> Vec<AdapterLine> {
-    candidates(backend.backends(), adapter).into_iter().map(|(_, line)| line).collect()
+/// `adapter` is part of an adapter's name, case ignored; without it `WGPU_ADAPTER_NAME` counts. With
+/// `WGPU_POWER_PREF=low` an integrated GPU comes before a discrete one.
+///
+/// Errors: [`Error::NoSuchDevice`] where one of wgpu's variables holds no value of its kind.
+pub fn list_adapters(backend: BackendChoice, adapter: Option<&str>) -> Result<Vec<AdapterLine>> {
+    Ok(candidates(backend.backends()?, adapter)?.into_iter().map(|(_, line)| line).collect())
 }
 
 /// Adapters with their lines, best first.
-fn candidates(backends: wgpu::Backends, adapter: Option<&str>) -> Vec<(wgpu::Adapter, AdapterLine)> {
+fn candidates(backends: wgpu::Backends, adapter: Option<&str>) -> Result<Vec<(wgpu::Adapter, AdapterLine)>> {
+    let low_power = asked_power()? == wgpu::PowerPreference::LowPower;
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle().with_env();
     descriptor.backends = backends;
     let instance = wgpu::Instance::new(descriptor);
-    let wanted = adapter.map(str::to_string).or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
-    let wanted = wanted.filter(|w| !w.is_empty()).map(|w| w.to_lowercase());
+    let wanted = asked_name(adapter).map(|(name, _)| name);
 
     // Prefer real hardware, then native interfaces; the order of the driver's own list breaks ties.
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     let rank = |a: &wgpu::Adapter| {
         let info = a.get_info();
         let kind = match info.device_type {
-            wgpu::DeviceType::DiscreteGpu => 0,
-            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::DiscreteGpu => u8::from(low_power),
+            wgpu::DeviceType::IntegratedGpu => u8::from(!low_power),
             wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => 2,
             wgpu::DeviceType::Cpu => 3,
         };
@@ -104,7 +138,7 @@ fn candidates(backends: wgpu::Backends, adapter: Option<&str>) -> Vec<(wgpu::Ada
     adapters.sort_by_key(rank);
 
     let mut found = false;
-    adapters
+    let lines = adapters
         .into_iter()
         .map(|adapter| {
             let (info, limits) = (adapter.get_info(), adapter.limits());
@@ -119,7 +153,8 @@ fn candidates(backends: wgpu::Backends, adapter: Option<&str>) -> Vec<(wgpu::Ada
             let line = AdapterLine { info, limits, chosen, why_not };
             (adapter, line)
         })
-        .collect()
+        .collect();
+    Ok(lines)
 }
 
 /// What an adapter lacks to run the kernels.
@@ -136,15 +171,23 @@ fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
 
 /// Opens the device that [`list_adapters`] marks as chosen.
 ///
-/// Errors: [`Error::NoDevice`], listing what there is and why it will not do.
+/// Errors: [`Error::NoSuchDevice`] where no adapter has the name asked for, or a variable of wgpu's names
+/// nothing; [`Error::NoDevice`], listing what there is and why it will not do.
 pub fn open(backend: BackendChoice, adapter: Option<&str>) -> Result<OpenDevice> {
     // Where nothing was asked for, OpenGL is started only if nothing else will do: its libraries print.
-    let modern = backend == BackendChoice::Auto && wgpu::Backends::from_env().is_none();
-    let mut all = if modern { candidates(wgpu::Backends::PRIMARY, adapter) } else { Vec::new() };
+    let modern = backend == BackendChoice::Auto && asked_backends()?.is_none();
+    let mut all = if modern { candidates(wgpu::Backends::PRIMARY, adapter)? } else { Vec::new() };
     if !all.iter().any(|(_, line)| line.chosen) {
-        all = candidates(backend.backends(), adapter);
+        all = candidates(backend.backends()?, adapter)?;
     }
     let Some((adapter, line)) = all.iter().find(|(_, line)| line.chosen) else {
+        if let (Some((name, asked)), false) = (asked_name(adapter), all.is_empty())
+            && all.iter().all(|(_, line)| !line.info.name.to_lowercase().contains(&name))
+        {
+            let mut known: Vec<&str> = all.iter().map(|(_, line)| line.info.name.as_str()).collect();
+            known.dedup();
+            return Err(Error::NoSuchDevice { asked, known: known.join(", ") });
+        }
         let lines: Vec<String> = all.iter().map(|(_, line)| line.to_string()).collect();
         let why = if lines.is_empty() { "there is no adapter at all".into() } else { lines.join("; ") };
         return Err(Error::NoDevice { why });
@@ -164,14 +207,6 @@ pub fn open(backend: BackendChoice, adapter: Option<&str>) -> Result<OpenDevice>
     }))
     .map_err(|e| Error::NoDevice { why: format!("{line}: {e}") })?;
 
-    // Keep the first failure; the default handler would panic.
-    let failure = Arc::new(Mutex::new(None));
-    let keep = |failure: &Arc<Mutex<Option<String>>>, text: String| {
-        failure.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(text);
-    };
-    let lost = failure.clone();
-    device.set_device_lost_callback(move |reason, message| keep(&lost, format!("device lost ({reason:?}): {message}")));
-    let error = failure.clone();
-    device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&error, e.to_string())));
-    Ok(OpenDevice { device, queue, info: line.info.clone(), failure })
+    let watch = Watch::on(&device);
+    Ok(OpenDevice { device, queue, info: line.info.clone(), watch })
 }

@@ -8,6 +8,7 @@ pub mod buffer;
 pub mod device;
 #[doc(hidden)]
 pub mod dispatch;
+mod failure;
 #[doc(hidden)]
 pub mod kernel;
 #[doc(hidden)]
@@ -21,6 +22,7 @@ pub mod wgsl;
 pub use buffer::GpuVec;
 #[doc(hidden)]
 pub use dispatch::{HEAVY, Job, LIGHT};
+pub use failure::Watch;
 #[doc(hidden)]
 pub use kernel::{Access, Kernel, Pipeline};
 
@@ -141,6 +143,6 @@ pub(crate) fn scoped<T>(device: &wgpu::Device, stage: impl Fn() -> String, work:
     let errors = [validation.pop(), internal.pop(), memory.pop()].map(pollster::block_on);
     match errors.into_iter().flatten().next() {
         None => Ok(value),
-        Some(e) => Err(Error::Device { stage: stage(), why: e.to_string() }),
+        Some(e) => Err(failure::of(device, stage(), e)),
     }
 }

@@ -1,7 +1,7 @@
 //! Results back to the host. The only file that waits for the device.
 
-use super::{Gpu, GpuVec};
-use crate::error::{Error, Result};
+use super::{Gpu, GpuVec, failure};
+use crate::error::Result;
 use bytemuck::Pod;
 use std::sync::mpsc;
 
@@ -14,7 +14,7 @@ impl Gpu {
     pub fn wait(&self) -> Result<()> {
         match self.device.poll(wgpu::PollType::wait_indefinitely()) {
             Ok(_) => Ok(()),
-            Err(e) => Err(Error::Device { stage: "waiting".into(), why: e.to_string() }),
+            Err(e) => Err(failure::or_lost(&self.device, "waiting".into(), e.to_string())),
         }
     }
 
@@ -29,7 +29,7 @@ impl Gpu {
             return Ok(Vec::new());
         }
         let stage = || format!("reading '{}' back", vec.label());
-        let fail = |why: String| Error::Device { stage: stage(), why };
+        let fail = |why: String| failure::or_lost(&self.device, stage(), why);
         // Copies go in units of four bytes.
         let bytes = len * size_of::<T>();
         let padded = bytes.next_multiple_of(4) as u64;

@@ -4,3 +4,4 @@ pub mod coefficients;
 pub mod components;
 pub mod energy;
 pub mod solver;
+pub mod winding;

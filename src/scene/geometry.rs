@@ -3,7 +3,7 @@
 
 use super::{Scene, cumulative};
 use crate::error::{Error, Result};
-use crate::layout::{BvhNode, Emitter, Material, NONE, Point, Tri};
+use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -43,7 +43,7 @@ pub struct Geometry {
     pub area: f64,
     /// The length L = sqrt(area/6) that features are measured in, local.
     pub unit: f64,
-    /// Number of planar pieces (edge-connected, coplanar, of one material).
+    /// Number of planar pieces (edge-connected, coplanar, of one material); both sides of a sheet count.
     pub pieces: u32,
     /// Faces left out because they have no area.
     pub degenerate: Vec<u32>,
@@ -121,11 +121,7 @@ impl Geometry {
                 degenerate.push(i as u32);
                 continue;
             }
-            let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
-            // The same corners wound the other way are another surface: rotate, do not sort.
-            let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
-            key.rotate_left(first);
-            match seen.entry(key) {
+            match seen.entry(wound(corners)) {
                 Entry::Occupied(first) => {
                     duplicate.push([i as u32, *first.get()]);
                     continue;
@@ -167,8 +163,10 @@ impl Geometry {
         };
 
         // Number planar pieces, cut live area into tiles.
-        let planes = planar_pieces(&kept, scene);
+        let twins = twins(&kept, &seen);
+        let mut planes = planar_pieces(&kept, &twins, scene);
         let pieces = planes.iter().max().map_or(0, |&m| m + 1);
+        join_twins(&mut planes, &twins, pieces);
         let material_of = |i: usize| scene.faces[kept[i].face as usize].material;
         let area: f64 = (0..kept.len()).filter(|&i| live(material_of(i))).map(|i| kept[i].area).sum();
         let total: f64 = kept.iter().map(|k| k.area).sum();
@@ -283,9 +281,48 @@ impl obvhs::Boundable for Bounds {
     }
 }
 
+/// Corners by which a triangle is known again. The same corners wound the other way are another surface:
+/// they are rotated, not sorted.
+fn wound(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
+    let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
+    let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
+    key.rotate_left(first);
+    key
+}
+
+/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the face of
+/// each kept triangle's corners.
+fn twins(kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
+    let twin = |k: &Kept| {
+        let face = seen.get(&wound([k.corners[0], k.corners[2], k.corners[1]]))?;
+        kept.binary_search_by_key(face, |k| k.face).ok()
+    };
+    kept.iter().map(|k| twin(k).map_or(NONE, |t| t as u32)).collect()
+}
+
+/// Gives both sides of a sheet one number, marked [`TWIN`], so that a ray that leaves one side meets neither.
+fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
+    let mut parent: Vec<u32> = (0..pieces).collect();
+    fn root(parent: &mut [u32], mut p: u32) -> u32 {
+        while parent[p as usize] != p {
+            parent[p as usize] = parent[parent[p as usize] as usize];
+            p = parent[p as usize];
+        }
+        p
+    }
+    for (i, &t) in twins.iter().enumerate().filter(|(_, t)| **t != NONE) {
+        let (a, b) = (root(&mut parent, planes[i]), root(&mut parent, planes[t as usize]));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    for (plane, _) in planes.iter_mut().zip(twins).filter(|(_, t)| **t != NONE) {
+        *plane = root(&mut parent, *plane) | TWIN;
+    }
+}
+
 /// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
-/// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material.
-fn planar_pieces(kept: &[Kept], scene: &Scene) -> Vec<u32> {
+/// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material, all of them
+/// with a twin or none.
+fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
     let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
     let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
     for (i, k) in kept.iter().enumerate() {
@@ -311,6 +348,7 @@ fn planar_pieces(kept: &[Kept], scene: &Scene) -> Vec<u32> {
                     let other = &kept[o as usize];
                     let level = other.corners.iter().all(|c| dot(sub(c.map(f64::from), origin), normal).abs() < 1e-6);
                     if plane[o as usize] == NONE
+                        && (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
                         && dot(other.normal, normal) > 1.0 - 1e-8
                         && level

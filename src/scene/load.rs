@@ -1,7 +1,7 @@
 //! Scene files, whatever their kind: what a reader may be told, where it gets its bytes, and what is done
 //! to every scene once it is read.
 
-use super::{Scene, View, obj, sides};
+use super::{Scene, View, gltf, obj, sides, toml};
 use crate::error::{Error, Result};
 use crate::progress::{Event, Flow, Progress};
 use std::io;
@@ -53,7 +53,7 @@ impl Default for LoadOptions {
 
 /// What the readers of all formats share: options, bytes by path, progress.
 pub(super) struct Reader<'a> {
-    pub options: &'a LoadOptions,
+    pub options: LoadOptions,
     pub progress: Progress<'a>,
     files: &'a mut dyn FnMut(&Path) -> io::Result<Vec<u8>>,
 }
@@ -71,7 +71,7 @@ impl Reader<'_> {
 }
 
 impl Scene {
-    /// Reads a scene file by its extension: `.obj` with its `.mtl`.
+    /// Reads a scene file by its extension: `.obj` with its `.mtl`, `.gltf`, `.glb` or `.toml` (`docs/scenes.md`).
     ///
     /// Errors: [`Error::Read`], [`Error::Format`], and those of [`Scene::check`].
     pub fn load(path: impl AsRef<Path>) -> Result<Scene> {
@@ -126,9 +126,11 @@ fn read_from(
         let range = "give the metres in a unit of the file, a positive number";
         return Err(Error::InvalidParam { name: "unit", value: options.unit.to_string(), range });
     }
-    let mut reader = Reader { options, progress: Progress::new(tell), files };
+    let mut reader = Reader { options: options.clone(), progress: Progress::new(tell), files };
     let mut scene = match kind(path)? {
         Kind::Obj => obj::read(path, &mut reader, &[])?,
+        Kind::Gltf => gltf::read(path, &mut reader)?,
+        Kind::Toml => toml::read(path, &mut reader)?,
     };
     place(&mut scene, options.unit, options.up);
     if options.two_sided {
@@ -141,6 +143,8 @@ fn read_from(
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Obj,
+    Gltf,
+    Toml,
 }
 
 /// The format that a file's name tells.
@@ -148,11 +152,13 @@ pub(super) fn kind(path: &Path) -> Result<Kind> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "obj" => Ok(Kind::Obj),
+        "gltf" | "glb" => Ok(Kind::Gltf),
+        "toml" => Ok(Kind::Toml),
         _ => Err(Error::Format {
             path: path.into(),
             line: None,
             what: "the name does not tell a format of scenes".into(),
-            cure: "name the file .obj, or export it as that".into(),
+            cure: "name the file .obj, .gltf, .glb or .toml, or export it as one of these".into(),
         }),
     }
 }
@@ -166,7 +172,8 @@ pub(super) fn to_metres([x, y, z]: [f64; 3], unit: f64, up: Up) -> [f64; 3] {
     v.map(|c| c * unit)
 }
 
-fn place(scene: &mut Scene, unit: f64, up: Up) {
+/// Brings a scene as a file has it to metres, y up.
+pub(super) fn place(scene: &mut Scene, unit: f64, up: Up) {
     if (unit, up) == (1.0, Up::Y) {
         return;
     }

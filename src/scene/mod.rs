@@ -2,6 +2,7 @@
 
 mod distribution;
 mod geometry;
+mod gltf;
 mod load;
 mod mtl;
 mod obj;
@@ -9,6 +10,9 @@ mod polygon;
 mod sides;
 mod surface;
 mod text;
+mod toml;
+mod transform;
+mod unread;
 
 #[doc(hidden)]
 pub use distribution::cumulative;
@@ -153,6 +157,12 @@ impl Scene {
     /// As [`Material::check`], of a material of this scene; the error names the file and line it comes from.
     pub fn check_material(&self, material: usize) -> Result<()> {
         self.materials[material].check_at(self.material_places.get(material).unwrap_or(&self.name))
+    }
+
+    /// The area of a triangle, m².
+    pub fn area(&self, face: usize) -> f64 {
+        let [a, b, c] = self.corners(face).map(glam::DVec3::from_array);
+        0.5 * (b - a).cross(c - a).length()
     }
 
     /// The corners of a triangle, metres.

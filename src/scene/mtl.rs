@@ -4,7 +4,8 @@
 
 use super::Material;
 use super::load::{KdSpace, Reader};
-use super::text::{Statements, Unread, bad, decode, name, split, words};
+use super::text::{Statements, bad, decode, name, split, words};
+use super::unread::Unread;
 use crate::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -81,7 +82,7 @@ impl Library {
                     };
                     let place = format!("{}:{line}", path.display());
                     match (&mut current, key) {
-                        (None, _) => unread.add(&format!("{key} before any newmtl"), line),
+                        (None, _) => unread.add(&format!("{key} before any newmtl"), format_args!("line {line}")),
                         (Some(entry), "Kd") => {
                             let linear = |x: f64| if reader.options.kd_space == KdSpace::Srgb { srgb_to_linear(x) } else { x };
                             (entry.kd, entry.place) = (Some(v.map(linear)), place);
@@ -89,7 +90,7 @@ impl Library {
                         (Some(entry), _) => (entry.ke, entry.place) = (v, place),
                     }
                 }
-                _ if matters(key, rest) => unread.add(key, line),
+                _ if matters(key, rest) => unread.add(key, format_args!("line {line}")),
                 _ => {}
             }
         }

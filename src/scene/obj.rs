@@ -7,7 +7,8 @@
 use super::load::Reader;
 use super::mtl::Library;
 use super::polygon::{Cut, cut};
-use super::text::{Statements, Unread, bad, decode, name, split, words};
+use super::text::{Statements, bad, decode, name, split, words};
+use super::unread::Unread;
 use super::{Face, Scene};
 use crate::error::{Error, Result};
 use crate::progress::Event;
@@ -51,9 +52,9 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
             }
             ("mtllib", rest) => library.load(path, line, name(rest), reader, &mut scene.warnings)?,
             ("f" | "o" | "g" | "usemtl" | "vt" | "vn" | "s", _) => {}
-            ("fo", _) => unread.add("fo", line),
+            ("fo", _) => unread.add("fo", format_args!("line {line}")),
             (key, _) if key.is_empty() || key.starts_with('#') => {}
-            (key, _) => unread.add(key, line),
+            (key, _) => unread.add(key, format_args!("line {line}")),
         }
     }
 
@@ -84,7 +85,7 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                     corners.push(from_0 as u32);
                 }
                 if corners.len() < 3 {
-                    thin.add("faces with fewer than three corners", line);
+                    thin.add("faces with fewer than three corners", format_args!("line {line}"));
                     continue;
                 }
                 let object = *object.get_or_insert_with(|| names.object(&mut scene));
@@ -96,7 +97,7 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                 let shape = cut(&corners, vertices, |t| faces.push(Face { vertices: t.map(|i| corners[i]), material, object }));
                 if shape == Cut::Overlapping {
                     let object = &scene.objects[object as usize];
-                    crossing.add(&format!("polygons of '{object}' that cross themselves"), line);
+                    crossing.add(&format!("polygons of '{object}' that cross themselves"), format_args!("line {line}"));
                 }
             }
             _ => {}

@@ -2,18 +2,28 @@
 
 use super::{Face, Scene};
 use std::collections::HashSet;
+use std::ops::Range;
 
 /// Gives every face that `wanted` names a twin of opposite winding, unless the scene holds one already
 /// (on the same vertices). Both sides then reflect, and both sides of an emitter shine.
 pub fn mirror(scene: &mut Scene, wanted: impl Fn(&Face) -> bool) {
+    let all = 0..scene.faces.len();
+    mirror_range(scene, all, wanted);
+}
+
+/// As [`mirror`], of the faces in a range, among which twins are looked for.
+pub fn mirror_range(scene: &mut Scene, range: Range<usize>, wanted: impl Fn(&Face) -> bool) {
+    let faces = &scene.faces[range];
+    if !faces.iter().any(&wanted) {
+        return;
+    }
     let key = |mut v: [u32; 3]| {
         let first = (0..3).min_by_key(|&k| v[k]).unwrap_or(0);
         v.rotate_left(first);
         v
     };
-    let there: HashSet<[u32; 3]> = scene.faces.iter().map(|f| key(f.vertices)).collect();
+    let there: HashSet<[u32; 3]> = faces.iter().map(|f| key(f.vertices)).collect();
     let twin = |f: &Face| Face { vertices: [f.vertices[0], f.vertices[2], f.vertices[1]], ..*f };
-    let twins: Vec<Face> =
-        scene.faces.iter().filter(|f| wanted(f)).map(twin).filter(|f| !there.contains(&key(f.vertices))).collect();
+    let twins: Vec<Face> = faces.iter().filter(|f| wanted(f)).map(twin).filter(|f| !there.contains(&key(f.vertices))).collect();
     scene.faces.extend(twins);
 }

@@ -6,12 +6,11 @@ use std::path::Path;
 
 /// Bytes as text. What is not UTF-8 is taken for Latin-1, as old exporters write names: every byte has its
 /// own letter, so that names that differ stay different.
-pub fn decode(bytes: Vec<u8>) -> String {
-    let text = String::from_utf8(bytes).unwrap_or_else(|e| e.as_bytes().iter().map(|&b| b as char).collect());
-    match text.strip_prefix('\u{feff}') {
-        Some(rest) => rest.into(),
-        None => text,
+pub fn decode(mut bytes: Vec<u8>) -> String {
+    if bytes.starts_with("\u{feff}".as_bytes()) {
+        bytes.drain(..3);
     }
+    String::from_utf8(bytes).unwrap_or_else(|e| e.as_bytes().iter().map(|&b| b as char).collect())
 }
 
 /// The statements of a text. A backslash at a line's end continues it.
@@ -81,43 +80,5 @@ pub fn bad(path: &Path, line: usize, statement: &str, wanted: &str) -> Error {
         line: Some(line),
         what: format!("'{shown}' does not hold {wanted}"),
         cure: "correct the line or re-export the scene".into(),
-    }
-}
-
-/// What a file holds and is not read: each sort once, with its number and first line, in order of appearance.
-#[derive(Default)]
-pub struct Unread(Vec<(String, usize, usize)>);
-
-impl Unread {
-    pub fn add(&mut self, what: &str, line: usize) {
-        let what: String = what.chars().take(60).collect();
-        // A file of noise must not become a warning of its size.
-        let known = |what: &String| self.0.iter().position(|e| &e.0 == what);
-        let (what, known) = match known(&what) {
-            None if self.0.len() >= 20 => ("other".into(), known(&"other".into())),
-            known => (what, known),
-        };
-        match known {
-            Some(i) => self.0[i].1 += 1,
-            None => self.0.push((what, 1, line)),
-        }
-    }
-
-    /// One warning for the file; none where everything was read.
-    pub fn warn(&self, path: &Path, warnings: &mut Vec<String>) {
-        self.warn_as(path, "not supported and left out", "bake on without, or model it otherwise", warnings);
-    }
-
-    /// One warning that says what was done with it.
-    pub fn warn_as(&self, path: &Path, done: &str, cure: &str, warnings: &mut Vec<String>) {
-        if self.0.is_empty() {
-            return;
-        }
-        let list: Vec<_> = self
-            .0
-            .iter()
-            .map(|(what, n, line)| format!("{what} ({n} time{}, first on line {line})", if *n == 1 { "" } else { "s" }))
-            .collect();
-        warnings.push(format!("{}: {done}: {}; {cure}", path.display(), list.join(", ")));
     }
 }

@@ -3,7 +3,7 @@
 
 use super::Solution;
 use crate::error::{Error, Result};
-use crate::layout::{Link, Node, NodeLight, Plane};
+use crate::layout::{Link, Node, NodeLight, Plane, TWIN};
 use crate::network::nodes::{find_candidates, mark_free};
 use crate::output::rcell::{self, Section};
 use crate::output::report::{Report, Seconds};
@@ -164,7 +164,8 @@ fn check(
     if per_node != [nodes.len(); 3] || cells.len() > system.source.len() {
         return Err("sections 'nodes', 'light', 'planes', 'node_source', 'cells' and 'source' do not belong together");
     }
-    let node = |n: &Node| n.material < materials && n.plane < geometry.pieces && finite(&n.p) && finite(&n.n) && finite(&n.mean);
+    let node =
+        |n: &Node| n.material < materials && n.plane & !TWIN < geometry.pieces && finite(&n.p) && finite(&n.n) && finite(&n.mean);
     if !nodes.iter().all(node) {
         return Err("section 'nodes' holds a node that cannot be");
     }

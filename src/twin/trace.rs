@@ -5,7 +5,7 @@
 //! that, so each edge is evaluated with its ends in a fixed order (`edge`). Planar pieces are
 //! excluded by number, never by an offset (design, 5).
 
-use crate::layout::{BvhNode, NONE, Point, Tri};
+use crate::layout::{BvhNode, NONE, Point, TWIN, Tri};
 use crate::scene::Geometry;
 use glam::Vec3;
 
@@ -123,6 +123,10 @@ fn walk(nodes: &[BvhNode], tris: &[Tri], ray: &Ray, any: bool) -> Hit {
             for i in node.first..node.first + node.count {
                 let tri = &tris[i as usize];
                 if tri.plane == ray.skip[0] || tri.plane == ray.skip[1] {
+                    continue;
+                }
+                // Of two that coincide only the one in front is there: no rounding decides between them.
+                if tri.plane & TWIN != 0 && Vec3::from(tri.normal).dot(ray.direction) >= 0.0 {
                     continue;
                 }
                 if let Some((t, b1, b2)) = intersect(tri, ray.origin, &sh, hit.t) {

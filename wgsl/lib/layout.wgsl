@@ -8,6 +8,8 @@ const FRONT = 1u; // both ends on front faces
 const SKY = 2u; // the ray left the scene
 const BACK = 3u; // the ray ended on a back face
 
+const TWIN = 0x80000000u; // bit of a triangle's plane: its mirror image is there too
+
 struct BvhNode {
     min: vec3<f32>,
     count: u32, // triangles in a leaf, 0 for an inner node
@@ -19,7 +21,7 @@ struct Tri {
     v0: vec3<f32>,
     material: u32,
     v1: vec3<f32>,
-    plane: u32, // planar piece
+    plane: u32, // planar piece, maybe with TWIN
     v2: vec3<f32>,
     first_tile: u32,
     normal: vec3<f32>,

@@ -73,6 +73,10 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
                 if plane == skip.x || plane == skip.y {
                     continue;
                 }
+                // Of two that coincide only the one in front is there: no rounding decides between them.
+                if (plane & TWIN) != 0u && dot3(tris[i].normal, direction) >= 0.0 {
+                    continue;
+                }
                 // Meet the triangle in the sheared frame.
                 let va = turned(tris[i].v0 - origin, kz);
                 let vb = turned(tris[i].v1 - origin, kz);

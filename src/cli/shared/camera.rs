@@ -12,6 +12,9 @@ pub struct Camera {
     /// JSON file with camera{eye,target,up,vfov}; bake also renders picture.exr and picture.png.
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
+    /// Camera of the scene file to render with, where no other flag tells one [default: the first].
+    #[arg(long, value_name = "NAME")]
+    pub view: Option<String>,
     /// Position, metres.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,

@@ -1,11 +1,11 @@
 //! What a job runs on: flags, and the device they open.
 
 use super::super::log::Log;
-use crate::error::{Error, Result};
-use crate::gpu::{Gpu, device, device::BackendChoice};
+use crate::error::Result;
+use crate::gpu::{Gpu, Watch, device, device::BackendChoice};
 use crate::output::report::AdapterReport;
 use clap::{Args, ValueEnum};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// What it runs on.
 #[derive(Args)]
@@ -33,13 +33,13 @@ pub enum Backend {
 pub struct Machine {
     pub backend: crate::Backend,
     pub adapter: Option<AdapterReport>,
-    failure: Option<Arc<Mutex<Option<String>>>>,
+    watch: Option<Watch>,
 }
 
 impl Machine {
     pub fn open(flags: &Device, log: &Log) -> Result<Machine> {
         let Some(choice) = choice(flags.backend) else {
-            return Ok(Machine { backend: crate::Backend::Cpu, adapter: None, failure: None });
+            return Ok(Machine { backend: crate::Backend::Cpu, adapter: None, watch: None });
         };
         let open = device::open(choice, flags.adapter.as_deref())?;
         let info = &open.info;
@@ -47,14 +47,13 @@ impl Machine {
         log.line(&format!("running on {} ({:?}, {driver})", info.name, info.backend));
         let adapter = AdapterReport { name: info.name.clone(), backend: format!("{:?}", info.backend).to_lowercase(), driver };
         let gpu = Gpu::new(&open.device, &open.queue)?;
-        Ok(Machine { backend: crate::Backend::Gpu(Arc::new(gpu)), adapter: Some(adapter), failure: Some(open.failure) })
+        Ok(Machine { backend: crate::Backend::Gpu(Arc::new(gpu)), adapter: Some(adapter), watch: Some(open.watch) })
     }
 
     /// A result of this machine: where the device failed meanwhile, that is the error, whatever came of it.
     pub fn judge<T>(&self, stage: &str, result: Result<T>) -> Result<T> {
-        let failure = self.failure.as_ref().and_then(|f| f.lock().unwrap_or_else(|e| e.into_inner()).clone());
-        match failure {
-            Some(why) => Err(Error::Device { stage: stage.into(), why }),
+        match &self.watch {
+            Some(watch) => watch.judge(stage, result),
             None => result,
         }
     }

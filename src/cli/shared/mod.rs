@@ -5,3 +5,4 @@ pub mod interrupt;
 pub mod machine;
 pub mod network;
 pub mod points;
+pub mod scene;

@@ -1,0 +1,113 @@
+//! What a `.toml` scene may say: its tables and keys, as `docs/scenes.md` describes them.
+
+use crate::scene::{KdSpace, Up};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// The whole file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Document {
+    #[serde(default)]
+    pub file: Vec<Spanned<File>>,
+    #[serde(default)]
+    pub mesh: Vec<Spanned<Mesh>>,
+    #[serde(default)]
+    pub material: Vec<Spanned<Material>>,
+    #[serde(default)]
+    pub camera: Vec<Spanned<Camera>>,
+}
+
+/// Another scene file, and where it stands.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    pub path: String,
+    #[serde(default = "one")]
+    pub unit: f64,
+    #[serde(default)]
+    pub up: Up,
+    pub kd_space: Option<KdSpace>,
+    #[serde(default)]
+    pub two_sided: bool,
+    pub scale: Option<Values>,
+    pub rotate: Option<[f64; 3]>,
+    pub translate: Option<[f64; 3]>,
+    pub matrix: Option<[[f64; 4]; 4]>,
+}
+
+/// A mesh, written out.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mesh {
+    pub name: String,
+    pub material: String,
+    pub vertices: Vec<[f64; 3]>,
+    pub faces: Vec<Vec<u32>>,
+    #[serde(default)]
+    pub two_sided: bool,
+}
+
+/// What a material is like, over what the files say.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    pub name: String,
+    pub reflectance: Option<Values>,
+    pub radiance: Option<Values>,
+    pub radiosity: Option<Values>,
+    pub lumens: Option<f64>,
+    pub color: Option<[f64; 3]>,
+    #[serde(default)]
+    pub two_sided: bool,
+}
+
+/// A camera.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    pub name: String,
+    pub eye: [f64; 3],
+    pub target: [f64; 3],
+    #[serde(default = "y")]
+    pub up: [f64; 3],
+    #[serde(default = "forty")]
+    pub vfov: f64,
+    #[serde(default = "pixels")]
+    pub width: u32,
+    #[serde(default = "pixels")]
+    pub height: u32,
+}
+
+/// One number for all three, or three.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "give a number, or three in brackets")]
+pub enum Values {
+    One(f64),
+    Three([f64; 3]),
+}
+
+impl Values {
+    pub fn three(self) -> [f64; 3] {
+        match self {
+            Values::One(x) => [x; 3],
+            Values::Three(v) => v,
+        }
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn y() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn forty() -> f64 {
+    40.0
+}
+
+fn pixels() -> u32 {
+    512
+}

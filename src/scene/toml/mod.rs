@@ -1,0 +1,263 @@
+//! `.toml` scenes: files put together and placed, meshes written out, materials by name, cameras.
+
+mod document;
+
+use super::load::{Kind, Reader, kind, place};
+use super::mtl::{GREY, not_quite_one};
+use super::polygon::{Cut, cut};
+use super::text::decode;
+use super::transform::{self, From};
+use super::unread::Unread;
+use super::{Face, Material, Scene, View, gltf, obj, sides};
+use crate::error::{Error, Result};
+use crate::solution;
+use document::Document;
+use glam::{DMat4, DQuat, DVec3, EulerRot};
+use std::f64::consts::PI;
+use std::ops::Range;
+use std::path::Path;
+
+/// Luminous efficacy of a watt of white light, lm/W, as Radiance takes it.
+const EFFICACY: f64 = 179.0;
+/// Share of red, green and blue in luminance, Rec.709.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Reads a TOML scene with the files it names.
+///
+/// Errors: [`Error::Format`], [`Error::InvalidVertex`] and [`Error::IndexOutOfRange`] with file and line, and
+/// those of the files it names.
+pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
+    let text = decode(reader.read(path)?);
+    let document: Document = toml::from_str(&text).map_err(|e| Error::Format {
+        path: path.into(),
+        line: e.span().map(|s| line_of(&text, s)),
+        what: e.message().trim().replace('\n', ", "),
+        cure: "docs/scenes.md lists the tables and keys".into(),
+    })?;
+    let at = Place { path, text: &text };
+    let mut scene = Scene { name: path.display().to_string(), ..Scene::default() };
+
+    // Files, placed; then meshes.
+    let overridden: Vec<String> =
+        document.material.iter().map(|m| m.as_ref()).filter(|m| m.reflectance.is_some()).map(|m| m.name.clone()).collect();
+    for entry in &document.file {
+        let from = From::end(&scene);
+        file(&at, entry.span(), entry.as_ref(), &overridden, reader, &mut scene)?;
+        at.finite(entry.span(), "file", &entry.as_ref().path, &scene, from.vertices)?;
+    }
+    let mut crossing = Unread::default();
+    for entry in &document.mesh {
+        let from = From::end(&scene);
+        mesh(&at, entry.span(), entry.as_ref(), &overridden, &mut scene, &mut crossing)?;
+        at.finite(entry.span(), "mesh", &entry.as_ref().name, &scene, from.vertices)?;
+    }
+    crossing.warn_as(path, "cut into triangles that overlap", "give triangles", &mut scene.warnings);
+
+    // Materials by name; lumens last, when all areas are known.
+    let two_sided = |name: &str| document.material.iter().any(|m| m.as_ref().two_sided && m.as_ref().name == name);
+    let names: Vec<bool> = scene.materials.iter().map(|m| two_sided(&m.name)).collect();
+    sides::mirror(&mut scene, |face| reader.options.two_sided || names[face.material as usize]);
+    for entry in &document.material {
+        material(&at, entry.span(), entry.as_ref(), reader.options.unit, &mut scene)?;
+    }
+    for entry in &document.camera {
+        let c = entry.as_ref();
+        let camera =
+            solution::Camera { eye: c.eye, target: c.target, up: c.up, vfov_degrees: c.vfov, width: c.width, height: c.height };
+        camera.check().map_err(|e| at.fault(entry.span(), &format!("camera '{}' cannot be used: {e}", c.name)))?;
+        scene.cameras.push(View { name: c.name.clone(), camera });
+    }
+    Ok(scene)
+}
+
+/// The line of a place in a text, from 1.
+fn line_of(text: &str, span: Range<usize>) -> usize {
+    text.bytes().take(span.start).filter(|&b| b == b'\n').count() + 1
+}
+
+/// Where things are said, for messages.
+struct Place<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl Place<'_> {
+    fn name(&self, span: Range<usize>) -> String {
+        format!("{}:{}", self.path.display(), line_of(self.text, span))
+    }
+
+    fn fault(&self, span: Range<usize>, what: &str) -> Error {
+        let cure = "correct the table that begins there".into();
+        Error::Format { path: self.path.into(), line: Some(line_of(self.text, span)), what: what.into(), cure }
+    }
+
+    /// Checks that the vertices from `first` on are numbers.
+    fn finite(&self, span: Range<usize>, kind: &str, name: &str, scene: &Scene, first: usize) -> Result<()> {
+        match scene.vertices[first..].iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+            Some(index) => Err(Error::InvalidVertex {
+                place: format!("{}: {kind} '{name}'", self.name(span)),
+                index,
+                value: scene.vertices[first + index],
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Reads a file, places it, and adds it to the scene.
+fn file(
+    at: &Place,
+    span: Range<usize>,
+    entry: &document::File,
+    overridden: &[String],
+    reader: &mut Reader,
+    scene: &mut Scene,
+) -> Result<()> {
+    let fault = |what: &str| at.fault(span.clone(), &format!("file '{}' {what}", entry.path));
+    if !(entry.unit > 0.0 && entry.unit.is_finite()) {
+        return Err(fault("has a unit that is no positive number of metres"));
+    }
+    let matrix = match (entry.matrix, entry.scale, entry.rotate, entry.translate) {
+        (None, scale, rotate, translate) => {
+            let [x, y, z] = rotate.unwrap_or_default().map(f64::to_radians);
+            DMat4::from_scale_rotation_translation(
+                DVec3::from_array(scale.map_or([1.0; 3], document::Values::three)),
+                if rotate.is_some() { DQuat::from_euler(EulerRot::XYZEx, x, y, z) } else { DQuat::IDENTITY },
+                DVec3::from_array(translate.unwrap_or_default()),
+            )
+        }
+        (Some(rows), None, None, None) => DMat4::from_cols_array_2d(&rows).transpose(),
+        _ => return Err(fault("has a matrix beside scale, rotate or translate; one of both is enough")),
+    };
+    if !matrix.is_finite() || matrix.row(3) != glam::DVec4::W {
+        return Err(fault("is moved by what is no affine matrix of finite numbers"));
+    }
+
+    let path = at.path.parent().unwrap_or(Path::new("")).join(&entry.path);
+    let kd_space = reader.options.kd_space;
+    reader.options.kd_space = entry.kd_space.unwrap_or(kd_space);
+    let part = match kind(&path)? {
+        Kind::Obj => obj::read(&path, reader, overridden),
+        Kind::Gltf => gltf::read(&path, reader),
+        Kind::Toml => Err(fault("is a .toml itself; name the files it is made of")),
+    };
+    reader.options.kd_space = kd_space;
+    let mut part = part?;
+    place(&mut part, entry.unit, entry.up);
+    transform::apply(&mut part, From::end(&Scene::default()), matrix);
+    if entry.two_sided {
+        sides::mirror(&mut part, |_| true);
+    }
+
+    // Numbers of vertices, materials and objects go on where the scene's end.
+    if scene.vertices.len() + part.vertices.len() > u32::MAX as usize {
+        return Err(fault("brings more than 4294967295 vertices into the scene"));
+    }
+    let (v, m, o) = (scene.vertices.len() as u32, scene.materials.len() as u32, scene.objects.len() as u32);
+    let moved = |f: Face| Face { vertices: f.vertices.map(|i| i + v), material: f.material + m, object: f.object + o };
+    scene.faces.extend(part.faces.into_iter().map(moved));
+    scene.vertices.extend(part.vertices);
+    scene.materials.extend(part.materials);
+    scene.material_places.extend(part.material_places);
+    scene.objects.extend(part.objects);
+    scene.cameras.extend(part.cameras);
+    scene.warnings.extend(part.warnings);
+    Ok(())
+}
+
+/// Adds a mesh that is written out.
+fn mesh(
+    at: &Place,
+    span: Range<usize>,
+    entry: &document::Mesh,
+    overridden: &[String],
+    scene: &mut Scene,
+    crossing: &mut Unread,
+) -> Result<()> {
+    let (first, count) = (scene.vertices.len(), entry.vertices.len());
+    scene.vertices.extend(&entry.vertices);
+    let known = scene.materials.iter().position(|m| m.name == entry.material);
+    let material = known.unwrap_or(scene.materials.len()) as u32;
+    if known.is_none() {
+        scene.materials.push(Material::new(&entry.material, [GREY; 3], [0.0; 3]));
+        scene.material_places.push(at.name(span.clone()));
+        if !overridden.contains(&entry.material) {
+            let (place, name) = (at.name(span.clone()), &entry.material);
+            scene.warnings.push(format!(
+                "{place}: material '{name}' has no reflectance and is taken for {GREY} grey; add it under [[material]]"
+            ));
+        }
+    }
+    let object = scene.objects.len() as u32;
+    scene.objects.push(entry.name.clone());
+    let from = From::end(scene);
+    for (f, face) in entry.faces.iter().enumerate() {
+        if face.len() < 3 {
+            return Err(at.fault(span, &format!("mesh '{}': face {f} has fewer than three corners", entry.name)));
+        }
+        if let Some(&index) = face.iter().find(|&&i| i as usize >= count) {
+            let place = format!("{}: mesh '{}', face {f}", at.name(span), entry.name);
+            return Err(Error::IndexOutOfRange { place, index: index as i64, count });
+        }
+        let Scene { vertices, faces, .. } = scene;
+        let shape = cut(face, &vertices[first..], |t| {
+            faces.push(Face { vertices: t.map(|i| first as u32 + face[i]), material, object });
+        });
+        if shape == Cut::Overlapping {
+            crossing.add(&format!("polygons of '{}' that cross themselves", entry.name), at.name(span.clone()));
+        }
+    }
+    if entry.two_sided {
+        let faces = from.faces..scene.faces.len();
+        sides::mirror_range(scene, faces, |_| true);
+    }
+    Ok(())
+}
+
+/// Gives all materials of a name what the table says. `unit` is what lengths will still be multiplied by.
+fn material(at: &Place, span: Range<usize>, entry: &document::Material, unit: f64, scene: &mut Scene) -> Result<()> {
+    let fault = |what: &str| at.fault(span.clone(), &format!("material '{}' {what}", entry.name));
+    let place = at.name(span.clone());
+    let of_name: Vec<usize> = (0..scene.materials.len()).filter(|&m| scene.materials[m].name == entry.name).collect();
+    if of_name.is_empty() {
+        let name = &entry.name;
+        scene.warnings.push(format!("{place}: material '{name}' is used by no face; correct its name"));
+    }
+    let radiance = match (entry.radiance, entry.radiosity, entry.lumens) {
+        (None, None, None) => None,
+        (Some(radiance), None, None) => Some(radiance.three()),
+        (None, Some(radiosity), None) => Some(radiosity.three().map(|b| b / PI)),
+        (None, None, Some(lumens)) => {
+            let area: f64 = scene
+                .faces
+                .iter()
+                .enumerate()
+                .filter(|(_, f)| of_name.contains(&(f.material as usize)))
+                .map(|(i, _)| scene.area(i))
+                .sum();
+            let color = entry.color.unwrap_or([1.0; 3]);
+            let luminance: f64 = (0..3).map(|k| LUMINANCE[k] * color[k]).sum();
+            if color.iter().any(|c| !(c.is_finite() && *c >= 0.0)) || luminance <= 0.0 {
+                return Err(fault("has a color that is not three numbers of 0 and above, one of them above 0"));
+            }
+            if area <= 0.0 && !of_name.is_empty() {
+                return Err(fault("has no area to spread its lumens over"));
+            }
+            // A diffuse emitter of radiance L sends pi L from a square metre.
+            let white = if area > 0.0 { lumens / (EFFICACY * PI * area * unit * unit * luminance) } else { 0.0 };
+            Some(color.map(|c| c * white))
+        }
+        _ => return Err(fault("has more than one of radiance, radiosity and lumens; one says it all")),
+    };
+    if entry.color.is_some() && entry.lumens.is_none() {
+        return Err(fault("has a color without lumens; give radiance or radiosity as three numbers instead"));
+    }
+    let reflectance = entry.reflectance.map(|r| not_quite_one(r.three(), &entry.name, &place, &mut scene.warnings));
+    for m in of_name {
+        let material = &mut scene.materials[m];
+        material.reflectance = reflectance.unwrap_or(material.reflectance);
+        material.emission = radiance.unwrap_or(material.emission);
+        scene.material_places[m] = place.clone();
+    }
+    Ok(())
+}
