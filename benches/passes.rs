@@ -9,6 +9,7 @@ use raycell::gpu::{Gpu, device};
 use raycell::layout::{NodeLight, Tile};
 use raycell::network::nodes::place_nodes;
 use raycell::pass::GpuEngine;
+use raycell::progress::Progress;
 use raycell::radiosity::coefficients;
 use raycell::scene::Geometry;
 use raycell::twin::assign::Surface;
@@ -62,7 +63,17 @@ impl Case {
             .collect();
         let mut engine = TwinEngine::new(&geometry);
         let density = vec![1.0; geometry.tiles as usize];
-        let surface = place_nodes(&mut engine, &geometry, &density, 400, params.lambda as f32, 5, true).unwrap();
+        let surface = place_nodes(
+            &mut engine,
+            &geometry,
+            &density,
+            400,
+            params.lambda as f32,
+            5,
+            true,
+            &mut Progress::new(&mut |_| Flow::Continue),
+        )
+        .unwrap();
         let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda: params.lambda as f32, mu: params.mu as f32 };
         let brightness = vec![1.0; geometry.tiles as usize];
         let mut case = Case { geometry, tiles, surface, metric, brightness, system: System::default(), light: Vec::new() };
@@ -73,7 +84,7 @@ impl Case {
         let cells = case.cells(&mut engine, &batch, CELLS[0]);
         engine.winner(&mut batch, 0..2 * RAYS as usize, &cells).unwrap();
         let normalise = (1.0 / (2.0 * case.geometry.area)) as f32;
-        let sums: Sums = engine.coefficients(&[batch], true, normalise, RAYS as f32, cells.len()).unwrap();
+        let sums: Sums = engine.coefficients(&[batch], true, normalise, RAYS as f32, cells.len(), &mut || Ok(())).unwrap();
         let mut nodes = case.surface.nodes.clone();
         case.system = coefficients::build(&sums, &mut nodes, params.ridge, params.slots as usize, RAYS as f64).system;
         case.light = vec![NodeLight { h: [1.0, 0.5, 0.25], ..NodeLight::default() }; nodes.len()];

@@ -5,12 +5,13 @@
 //! 3. Full network: rays by importance, nodes where light changes quickly, cells grown on the rays.
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
+use crate::checkpoint::{Checkpoint, Key, Pilot, once};
 use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
-use crate::layout::{NodeLight, Tile};
-use crate::network::{growth, nodes, tiles, tiles::mean};
-use crate::output::report::{Report, SceneReport, Seconds, SolverReport};
+use crate::layout::{DirectSum, NodeLight, Tile};
+use crate::network::growth::Growth;
+use crate::network::{nodes, tiles, tiles::mean};
 use crate::params::{Direct, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
@@ -21,10 +22,9 @@ use crate::scene::{Geometry, Scene};
 use crate::solution::Solution;
 use crate::stream::{Stream, stream};
 use crate::twin::TwinEngine;
-use crate::twin::assign::Surface;
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
-use crate::twin::winner::{Feature, Metric};
+use crate::twin::winner::Metric;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -37,17 +37,8 @@ const PILOT_NODES: usize = 400;
 /// Rays in a batch.
 #[doc(hidden)]
 pub const BATCH: u32 = 65_536;
-
-/// A trained and solved network.
-pub(crate) struct Network<E: Engine> {
-    pub surface: Surface,
-    pub light: Vec<NodeLight>,
-    pub cells: Vec<Feature>,
-    pub coefficients: coefficients::Coefficients,
-    pub solved: solver::Solved,
-    pub training: growth::Training,
-    batches: Vec<E::Batch>,
-}
+/// Features that cells start from.
+const FIRST_FEATURES: usize = 4_096;
 
 /// What a network is trained on.
 struct Stage<'a> {
@@ -63,10 +54,12 @@ struct Stage<'a> {
     told: bool,
 }
 
-/// Wall time a stage, added up.
+/// Wall time a stage, added up, and what else the engine tells of itself.
 #[derive(Default)]
 pub(crate) struct Clock {
     pub seconds: BTreeMap<&'static str, f64>,
+    pub compile: Option<f64>,
+    pub device_bytes: Option<u64>,
 }
 
 impl Clock {
@@ -95,42 +88,143 @@ impl Clock {
 /// [`Scene::check`] and [`Params::check`], of the device, [`crate::Error::NotContractive`],
 /// [`crate::Error::Cancelled`].
 pub fn bake(backend: &Backend, scene: &Scene, params: &Params, progress: &mut dyn FnMut(&Event) -> Flow) -> Result<Solution> {
+    bake_from(backend, scene, params, &mut Checkpoint::default(), progress)
+}
+
+/// As [`bake`], going on from a checkpoint and filling it: what is in it is not computed again, and the solution
+/// is, byte for byte, that of a bake that was never stopped.
+///
+/// After an error the checkpoint holds what was found until then; [`Checkpoint::solution`] makes a partial solution
+/// of it. Errors: those of [`bake`]; [`crate::Error::OtherBake`] where the checkpoint is of another scene, other
+/// parameters, another device or another version.
+pub fn bake_from(
+    backend: &Backend,
+    scene: &Scene,
+    params: &Params,
+    saved: &mut Checkpoint,
+    progress: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<Solution> {
     params.check()?;
     let mut progress = Progress::new(progress);
     progress.event(Event::Stage { name: "bvh" })?;
     let start = Instant::now();
     let geometry = Geometry::new(scene)?;
     let bvh = start.elapsed().as_secs_f64();
-    for warning in doctor::warnings(scene, &geometry) {
-        progress.event(Event::Warning(warning))?;
+    let resumed = !saved.is_empty();
+    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
+    let warnings = doctor::warnings(scene, &geometry);
+    for warning in &warnings {
+        progress.event(Event::Warning(warning.clone()))?;
     }
-    let mut solution = match backend {
-        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, &mut progress)?,
-        Backend::Gpu(gpu) => run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, &mut progress)?,
-    };
+    let mut clock = Clock::default();
+    match backend {
+        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
+        Backend::Gpu(gpu) => {
+            run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
+        }
+    }
+    let mut solution = saved.assemble(scene, &geometry, params, warnings);
+
+    // Training is everything up to the winners; its parts are told beside it.
+    let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
-    report.seconds.bvh = Some(bvh);
-    report.seconds.total = Some(start.elapsed().as_secs_f64());
+    report.memory_bytes.device = clock.device_bytes;
+    let seconds = &mut report.seconds;
+    seconds.bvh = Some(bvh);
+    seconds.compile = clock.compile;
+    seconds.train = (train > 0.0).then_some(train);
+    seconds.coefficients = clock.get("coefficients");
+    seconds.solve = clock.get("solve");
+    seconds.direct = clock.get("direct");
+    seconds.total = Some(start.elapsed().as_secs_f64());
+    let net = &saved.network;
+    let training = net.growth.as_ref().map(|g| g.training).unwrap_or_default();
+    for (key, value) in [
+        ("rays_per_second", serde_json::json!((!resumed).then(|| params.rays as f64 / train.max(1e-9)))),
+        ("epochs", serde_json::json!(training.epochs)),
+        ("cells_deleted", serde_json::json!(training.deleted)),
+        ("contraction", serde_json::json!(net.solved.map(|s| s.contraction))),
+        ("dropped_coefficient_mass", serde_json::json!(net.coefficients.as_ref().map(|c| c.dropped))),
+        ("planar_pieces", serde_json::json!(geometry.pieces)),
+        ("emission_scale", serde_json::json!(geometry.emission_scale)),
+        ("stages", serde_json::json!(clock.seconds)),
+        // Times are then those since the bake went on.
+        ("resumed", serde_json::json!(resumed)),
+    ] {
+        report.extra.insert(key.into(), value);
+    }
     Ok(solution)
 }
 
-/// The order of the passes, on any engine.
+/// The order of the passes, on any engine. Fills the checkpoint.
 fn run<E: Engine>(
     engine: &mut E,
     scene: &Scene,
     geometry: &Geometry,
     params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
     progress: &mut Progress,
-) -> Result<Solution> {
-    let mut clock = Clock::default();
+) -> Result<()> {
+    if saved.is_whole() {
+        return Ok(());
+    }
     let exact = params.direct == Direct::Exact;
-    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+    let count = params.node_count(geometry.pieces);
+    if saved.pilot.is_none() {
+        progress.event(Event::Stage { name: "pilot" })?;
+        saved.pilot = Some(pilot(engine, scene, geometry, params, count, saved, clock, progress)?);
+        // Its rays have told what they had to tell.
+        (saved.tiles, saved.network) = Default::default();
+        saved.keep(progress)?;
+    }
+    let Pilot { carried, density, .. } = saved.pilot.clone().unwrap_or_default();
 
+    // The full network. Shared out by less than its light, a dark part still gets rays enough to be read.
+    let gamma = if exact { params.gamma } else { 1.0 };
+    let wanted: Vec<f64> = carried.iter().map(|c| c.powf(gamma)).collect();
+    let stage = Stage {
+        rays: params.rays,
+        cells: params.cells(),
+        nodes: count,
+        tiles: &tiles::starts(geometry, &wanted, params.alpha),
+        brightness: &carried,
+        density: &density,
+        refinements: params.refinements,
+        told: true,
+        seeds: [Stream::Nodes, Stream::Rays, Stream::Ends].map(|s| stream(params.seed, s)),
+    };
+    let mut batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
+
+    // Where did every watt go?
+    let seed = stream(params.seed, Stream::Emission);
+    let light = &saved.network.light;
+    let energy =
+        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, &mut batches, progress))?;
+    saved.energy = Some(energy);
+    saved.network.direct = Vec::new();
+    clock.compile = Some(engine.compile_seconds());
+    clock.device_bytes = Some(engine.device_bytes());
+    saved.keep(progress)
+}
+
+/// The pilot network: where does light go?
+fn pilot<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    count: usize,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<Pilot> {
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
-    progress.event(Event::Stage { name: "pilot" })?;
     let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
+    let seed = stream(params.seed, Stream::TileDirect);
     let direct =
-        clock.time(engine, "direct", |engine| tiles::direct(engine, &places, stream(params.seed, Stream::TileDirect)))?;
+        once(&mut saved.tiles, || clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, progress)))?;
+    let exact = params.direct == Direct::Exact;
     let sent: Vec<[f64; 3]> = (0..places.len())
         .map(|t| {
             let m = geometry.material_at(&places[t]);
@@ -138,39 +232,32 @@ fn run<E: Engine>(
             [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
         })
         .collect();
+    saved.keep(progress)?;
 
-    // Pilot: where does light go?
-    let uniform = vec![1.0; geometry.tiles as usize];
     let first: Vec<f64> = sent.iter().map(mean).collect();
-    let pilot = network(
-        engine,
-        geometry,
-        params,
-        &Stage {
-            rays: PILOT_RAYS.min(params.rays),
-            cells: PILOT_CELLS,
-            nodes: PILOT_NODES,
-            tiles: &tiles::starts(geometry, &first, params.alpha),
-            brightness: &first,
-            density: &uniform,
-            refinements: 0,
-            told: false,
-            seeds: [Stream::PilotNodes, Stream::PilotRays, Stream::PilotEnds].map(|s| stream(params.seed, s)),
-        },
-        &mut clock,
-        progress,
-        &names,
-    )?;
+    let stage = Stage {
+        rays: PILOT_RAYS.min(params.rays),
+        cells: PILOT_CELLS,
+        nodes: PILOT_NODES,
+        tiles: &tiles::starts(geometry, &first, params.alpha),
+        brightness: &first,
+        density: &vec![1.0; geometry.tiles as usize],
+        refinements: 0,
+        told: false,
+        seeds: [Stream::PilotNodes, Stream::PilotRays, Stream::PilotEnds].map(|s| stream(params.seed, s)),
+    };
+    let batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
 
     // What the pilot's rays met from behind is wound the wrong way round.
-    let winding = Winding::count(scene, geometry, &engine.points(&pilot.batches[0])?).warnings(scene);
+    let winding = Winding::count(scene, geometry, &engine.points(&batches[0])?).warnings(scene);
     for warning in &winding {
         progress.event(Event::Warning(warning.clone()))?;
     }
 
     // Importance: what each tile sends in the pilot's light.
+    let (nodes, light) = (saved.network.nodes.clone().unwrap_or_default(), saved.network.light.clone());
     let carried: Vec<f64> = clock.time(engine, "train", |engine| {
-        engine.set_light(&pilot.light)?;
+        engine.set_light(&light)?;
         let mut h = Vec::new();
         for chunk in places.chunks(BATCH as usize) {
             let mut batch = engine.upload(chunk)?;
@@ -185,198 +272,184 @@ fn run<E: Engine>(
             })
             .collect())
     })?;
-    let count = params.node_count(geometry.pieces);
-    let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &pilot.batches, &carried, count))?;
-    drop(pilot);
-
-    // The full network. Shared out by less than its light, a dark part still gets rays enough to be read.
-    let gamma = if exact { params.gamma } else { 1.0 };
-    let wanted: Vec<f64> = carried.iter().map(|c| c.powf(gamma)).collect();
-    let mut full = network(
-        engine,
-        geometry,
-        params,
-        &Stage {
-            rays: params.rays,
-            cells: params.cells(),
-            nodes: count,
-            tiles: &tiles::starts(geometry, &wanted, params.alpha),
-            brightness: &carried,
-            density: &density,
-            refinements: params.refinements,
-            told: true,
-            seeds: [Stream::Nodes, Stream::Rays, Stream::Ends].map(|s| stream(params.seed, s)),
-        },
-        &mut clock,
-        progress,
-        &names,
-    )?;
-    let seed = stream(params.seed, Stream::Emission);
-    let energy =
-        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, &full.light, &mut full.batches))?;
-
-    // Training is everything up to the winners; its parts are told beside it.
-    let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
-    let mut report = Report {
-        raycell: env!("CARGO_PKG_VERSION").into(),
-        scene: SceneReport {
-            path: scene.name.clone(),
-            triangles: geometry.tris.len() as u64,
-            dropped: (geometry.degenerate.len() + geometry.duplicate.len()) as u64,
-        },
-        seed: params.seed,
-        params: params.clone(),
-        cells: full.coefficients.system.source.len() as u64,
-        nodes: full.surface.nodes.len() as u64,
-        coefficients: full.coefficients.stored,
-        rays: params.rays as u64,
-        seconds: Seconds {
-            compile: Some(engine.compile_seconds()),
-            train: Some(train),
-            coefficients: clock.get("coefficients"),
-            solve: clock.get("solve"),
-            direct: clock.get("direct"),
-            ..Seconds::default()
-        },
-        solver: SolverReport {
-            method: "jacobi".into(),
-            sweeps: full.solved.sweeps as u64,
-            residual: Some(full.solved.residual),
-            error_bound: Some(full.solved.error_bound),
-        },
-        energy,
-        warnings: [doctor::warnings(scene, geometry), winding].concat(),
-        ..Report::default()
-    };
-    report.memory_bytes.device = Some(engine.device_bytes());
-    for (key, value) in [
-        ("rays_per_second", serde_json::json!(params.rays as f64 / train.max(1e-9))),
-        ("epochs", serde_json::json!(full.training.epochs)),
-        ("cells_deleted", serde_json::json!(full.training.deleted)),
-        ("contraction", serde_json::json!(full.solved.contraction)),
-        ("dropped_coefficient_mass", serde_json::json!(full.coefficients.dropped)),
-        ("planar_pieces", serde_json::json!(geometry.pieces)),
-        ("emission_scale", serde_json::json!(geometry.emission_scale)),
-        ("stages", serde_json::json!(clock.seconds)),
-    ] {
-        report.extra.insert(key.into(), value);
-    }
-    Ok(Solution::new(
-        scene.clone(),
-        geometry.clone(),
-        params.clone(),
-        full.surface,
-        full.light,
-        full.cells,
-        &full.coefficients,
-        report,
-    ))
+    progress.tick()?;
+    let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &batches, &carried, count))?;
+    Ok(Pilot { nodes, light, carried, density, winding })
 }
 
-/// Trains and solves one network.
+/// Trains and solves one network, as far as it is not in the checkpoint already. Returns its rays.
 fn network<E: Engine>(
     engine: &mut E,
+    scene: &Scene,
     geometry: &Geometry,
     params: &Params,
     stage: &Stage,
+    saved: &mut Checkpoint,
     clock: &mut Clock,
     progress: &mut Progress,
-    names: &[String],
-) -> Result<Network<E>> {
+) -> Result<Vec<E::Batch>> {
     let exact = params.direct == Direct::Exact;
     let [node_seed, ray_seed, end_seed] = stage.seeds;
     let tell = |progress: &mut Progress, name| if stage.told { progress.event(Event::Stage { name }) } else { Ok(()) };
     tell(progress, "train")?;
 
     // Place the nodes.
-    let mut surface = clock.time(engine, "nodes", |engine| {
-        nodes::place_nodes(engine, geometry, stage.density, stage.nodes, params.lambda as f32, node_seed, stage.told)
+    let lambda = params.lambda as f32;
+    let mut surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
+        Some(nodes) => {
+            let surface = nodes::surface_of(geometry, nodes.clone(), lambda, stage.told);
+            engine.set_surface(&surface)?;
+            Ok(surface)
+        }
+        None => nodes::place_nodes(engine, geometry, stage.density, stage.nodes, lambda, node_seed, stage.told, progress),
     })?;
+    saved.network.nodes = Some(surface.nodes.clone());
+    saved.keep(progress)?;
 
-    // Shoot all rays, find what both ends see of the emitters and which nodes speak for them.
+    // Shoot all rays, find what both ends see of the emitters and which nodes speak for them. Rays come again
+    // from their seeds; what their ends see is kept.
     let area: f64 = (0..geometry.tiles as usize).map(|t| geometry.tile_area(t)).sum();
     let rms =
         ((0..stage.brightness.len()).map(|t| stage.brightness[t].powi(2) * geometry.tile_area(t)).sum::<f64>() / area).sqrt();
     let brightness: Vec<f32> = stage.brightness.iter().map(|b| if rms > 0.0 { (b / rms) as f32 } else { 0.0 }).collect();
-    let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda: params.lambda as f32, mu: params.mu as f32 };
+    let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda, mu: params.mu as f32 };
     let (mut batches, mut lengths) = (Vec::new(), Vec::new());
     for first in (0..stage.rays).step_by(BATCH as usize) {
         let count = BATCH.min(stage.rays - first);
         let mut batch = clock.time(engine, "emit", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
+        progress.tick()?;
+        let net = &mut saved.network;
+        net.rays = net.rays.max(first + count);
         if exact {
-            let samples = Samples { emitter: params.end_samples, cosine: 1 };
-            clock.time(engine, "direct", |engine| engine.direct(&mut batch, None, seed_of(end_seed, first), 0, 1, samples))?;
+            let ends = 2 * first as usize..2 * (first + count) as usize;
+            clock.time(engine, "direct", |engine| match net.direct.get(ends) {
+                Some(known) => engine.set_direct(&mut batch, &known.iter().map(|&d| DirectSum::once(d)).collect::<Vec<_>>()),
+                None => {
+                    let samples = Samples { emitter: params.end_samples, cosine: 1 };
+                    engine.direct(&mut batch, None, seed_of(end_seed, first), 0, 1, samples)?;
+                    net.direct.extend(engine.direct_sums(&batch)?.iter().map(|d| d.sum));
+                    Ok(())
+                }
+            })?;
+            progress.tick()?;
         }
         clock.time(engine, "assign", |engine| engine.assign(&mut batch))?;
-        clock.time(engine, "train", |engine| engine.feature(&mut batch, metric, &brightness))?;
+        if net.coefficients.is_none() {
+            clock.time(engine, "train", |engine| engine.feature(&mut batch, metric, &brightness))?;
+        }
         batches.push(batch);
         lengths.push(2 * count as usize);
+        saved.keep(progress)?;
         progress.event(Event::Rays { done: (first + count) as u64, total: stage.rays as u64 })?;
     }
 
-    // Grow the cells, then let every ray find its own.
-    let (cells, training) =
-        clock.time(engine, "grow", |engine| growth::grow(engine, &mut batches, &lengths, stage.cells as usize, progress))?;
-    clock.time(engine, "winner", |engine| {
+    if saved.network.coefficients.is_none() {
+        // Grow the cells.
+        let net = &mut saved.network;
+        if net.growth.is_none() {
+            net.growth = Some(Growth::start(&engine.features(&batches[0], 0..lengths[0].min(FIRST_FEATURES))?));
+        }
+        while let Some(growth) = saved.network.growth.as_mut().filter(|g| !g.done) {
+            clock.time(engine, "grow", |engine| growth.epoch(engine, &mut batches, &lengths, stage.cells as usize))?;
+            progress.event(Event::Cells { count: growth.cells.len() as u64 })?;
+            saved.keep(progress)?;
+        }
+        let cells = saved.network.growth.as_ref().map_or(Vec::new(), |g| g.cells.clone());
+
+        // Let every ray find its own.
+        let mut first = 0;
         for (batch, &points) in batches.iter_mut().zip(&lengths) {
-            engine.winner(batch, 0..points, &cells)?;
+            let winners = &mut saved.network.winners;
+            clock.time(engine, "winner", |engine| match winners.get(first..first + points) {
+                Some(known) => engine.set_winners(batch, known),
+                None => {
+                    engine.winner(batch, 0..points, &cells)?;
+                    winners.extend(engine.winners(batch)?);
+                    Ok(())
+                }
+            })?;
+            first += points;
+            saved.keep(progress)?;
         }
-        Ok(())
-    })?;
 
-    // Rooms that see nothing of each other get cells of their own.
-    let cell_count = clock.time(engine, "coefficients", |engine| {
-        let mut components = Components::new(surface.nodes.len());
-        let mut seen = Vec::new();
-        for batch in &batches {
-            let (points, psi) = (engine.points(batch)?, engine.psi(batch)?);
-            components.join(&points, &psi);
-            seen.push((points, psi));
-        }
-        let mut splitter = Splitter::new(cells.len());
-        for (batch, (points, psi)) in batches.iter_mut().zip(seen) {
-            let mut winners = engine.winners(batch)?;
-            if splitter.split(&mut components, &points, &psi, &mut winners) {
-                engine.set_winners(batch, &winners)?;
+        // Rooms that see nothing of each other get cells of their own.
+        let cell_count = clock.time(engine, "coefficients", |engine| {
+            let mut components = Components::new(surface.nodes.len());
+            let mut seen = Vec::new();
+            for batch in &batches {
+                let (points, psi) = (engine.points(batch)?, engine.psi(batch)?);
+                components.join(&points, &psi);
+                seen.push((points, psi));
+                progress.tick()?;
             }
-        }
-        Ok(splitter.cells())
-    })?;
+            let mut splitter = Splitter::new(cells.len());
+            for (batch, (points, psi)) in batches.iter_mut().zip(seen) {
+                let mut winners = engine.winners(batch)?;
+                if splitter.split(&mut components, &points, &psi, &mut winners) {
+                    engine.set_winners(batch, &winners)?;
+                }
+                progress.tick()?;
+            }
+            Ok(splitter.cells())
+        })?;
 
-    // Read the cells as coefficients.
-    tell(progress, "coefficients")?;
-    // All rays together weigh 2 A / (1 - alpha) at most.
-    let normalise = ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32;
-    let built = clock.time(engine, "coefficients", |engine| {
-        let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count)?;
-        let mut built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, stage.rays as f64);
-        engine.set_surface(&surface)?;
-        if exact {
-            // The first bounce is known at every ray's end; it needs no cell.
-            built.system.source.fill([0.0; 4]);
-            let sums = engine.deposit(&batches, false, normalise)?;
-            built.system.node_source = coefficients::known(&sums, &surface.nodes, &built.mass);
-        }
-        Ok(built)
-    })?;
+        // Read the cells as coefficients.
+        tell(progress, "coefficients")?;
+        let built = clock.time(engine, "coefficients", |engine| {
+            let normalise = normalise(geometry, params);
+            let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
+            let (ridge, slots) = (params.ridge, params.slots as usize);
+            let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
+            engine.set_surface(&surface)?;
+            if exact {
+                // The first bounce is known at every ray's end; it needs no cell.
+                built.system.source.fill([0.0; 4]);
+                let sums = engine.deposit(&batches, false, normalise)?;
+                built.system.node_source = coefficients::known(&sums, &surface.nodes, &built.mass);
+            }
+            Ok(built)
+        })?;
+        let net = &mut saved.network;
+        net.nodes = Some(surface.nodes.clone());
+        net.coefficients = Some(built);
+        net.winners = Vec::new();
+        saved.keep(progress)?;
+    }
 
-    // Solve; then let the rays carry the solution on, each from its own end: what the cells leave out
-    // fades with every sweep.
+    // Solve.
     tell(progress, "solve")?;
-    let (light, solved) = clock.time(engine, "solve", |engine| {
-        engine.set_system(&built.system)?;
-        let dark = vec![NodeLight::default(); surface.nodes.len()];
-        let (mut light, solved) = solver::solve(engine, geometry, dark, params.tolerance, params.max_sweeps, progress, names)?;
-        for _ in 0..if exact { stage.refinements } else { 0 } {
-            engine.set_light(&light)?;
+    let built = saved.network.coefficients.clone().unwrap_or_default();
+    if saved.network.solved.is_none() {
+        let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let (light, solved) = clock.time(engine, "solve", |engine| {
+            engine.set_system(&built.system)?;
+            let dark = vec![NodeLight::default(); surface.nodes.len()];
+            solver::solve(engine, geometry, dark, params.tolerance, params.max_sweeps, progress, &names)
+        })?;
+        (saved.network.light, saved.network.solved) = (light, Some(solved));
+        saved.keep(progress)?;
+    }
+
+    // Let the rays carry the solution on, each from its own end: what the cells leave out fades with every sweep.
+    while exact && saved.network.refined < stage.refinements {
+        let net = &mut saved.network;
+        net.light = clock.time(engine, "solve", |engine| {
+            engine.set_light(&net.light)?;
             for batch in &mut batches {
                 engine.readout(batch)?;
+                progress.tick()?;
             }
-            let sums = engine.deposit(&batches, true, normalise)?;
+            let sums = engine.deposit(&batches, true, normalise(geometry, params))?;
             let by_rays = coefficients::known(&sums, &surface.nodes, &built.mass);
-            light = coefficients::fit(&by_rays, &built.system.planes);
-        }
-        Ok((light, solved))
-    })?;
-    Ok(Network { surface, light, cells, coefficients: built, solved, training, batches })
+            Ok(coefficients::fit(&by_rays, &built.system.planes))
+        })?;
+        net.refined += 1;
+        saved.keep(progress)?;
+    }
+    Ok(batches)
+}
+
+/// What brings the weight of all rays together to 1 at most: they weigh 2 A / (1 - alpha).
+fn normalise(geometry: &Geometry, params: &Params) -> f32 {
+    ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32
 }

@@ -52,6 +52,8 @@ pub trait Engine {
         rounds: u32,
         samples: Samples,
     ) -> Result<()>;
+    /// Sets direct light that was found earlier.
+    fn set_direct(&mut self, batch: &mut Self::Batch, sums: &[DirectSum]) -> Result<()>;
     /// The direct light found so far.
     fn direct_sums(&mut self, batch: &Self::Batch) -> Result<Vec<DirectSum>>;
 
@@ -87,8 +89,17 @@ pub trait Engine {
     ) -> Result<Vec<Feature>>;
 
     /// Pass `coefficients`: the cells' footprints over all batches; with `exact`, emitter ends send
-    /// rho D instead of E. See [`crate::twin::coefficients::coefficients`].
-    fn coefficients(&mut self, batches: &[Self::Batch], exact: bool, normalise: f32, rays: f32, cells: usize) -> Result<Sums>;
+    /// rho D instead of E. See [`crate::twin::coefficients::coefficients`]. The longest of all passes: `beat` is
+    /// called when a batch is done, and its error ends the pass.
+    fn coefficients(
+        &mut self,
+        batches: &[Self::Batch],
+        exact: bool,
+        normalise: f32,
+        rays: f32,
+        cells: usize,
+        beat: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<Sums>;
     /// Pass `deposit`: what the rays of all batches bring to the nodes from rho (D + H) at their emitter
     /// ends; H is what `readout` found where `lit`, else 0. `direct` must have run.
     fn deposit(&mut self, batches: &[Self::Batch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>>;

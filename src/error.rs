@@ -184,6 +184,16 @@ pub enum Error {
         /// What.
         what: String,
     },
+    /// A checkpoint of another bake.
+    #[error(
+        "{place}: this checkpoint is of another bake: {what}; ask for the same as then, or bake from the beginning (without --resume)"
+    )]
+    OtherBake {
+        /// The file, or "the checkpoint".
+        place: PathBuf,
+        /// What differs.
+        what: String,
+    },
     /// The caller asked to stop.
     #[error("stopped by the caller")]
     Cancelled,

@@ -26,6 +26,8 @@
 //!   Metres, linear Rec.709, surfaces lit on the side of their counter-clockwise winding.
 //! - **Results:** [`Solution::query`] at any points, [`Solution::render`] for pictures,
 //!   [`Solution::vertices`] for meshes, [`Solution::save`] for later. [`output`] writes the files.
+//! - **Stopping:** [`bake_from`] fills a [`Checkpoint`] and goes on from one; [`Checkpoint::solution`] is what was
+//!   known when it stopped.
 //! - **Progress:** the closure hears [`Event`]s and may answer [`Flow::Stop`]. The library prints
 //!   nothing and keeps no global state; what fails is an [`Error`] that names the cure.
 //!
@@ -35,6 +37,7 @@
 //! `cli`, a default feature, is the program; `--no-default-features` builds the library alone.
 
 pub mod bake;
+pub mod checkpoint;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
@@ -61,7 +64,8 @@ mod stream;
 #[doc(hidden)]
 pub mod twin;
 
-pub use bake::bake;
+pub use bake::{bake, bake_from};
+pub use checkpoint::Checkpoint;
 pub use engine::Backend;
 pub use error::{Error, Result};
 pub use params::{Direct, Params};

@@ -46,6 +46,8 @@ pub enum Event {
     },
     /// Something the user should know.
     Warning(String),
+    /// Nothing new; a moment to stop at.
+    Tick,
 }
 
 /// Whether to go on.
@@ -53,7 +55,7 @@ pub enum Event {
 pub enum Flow {
     /// Go on.
     Continue,
-    /// Stop: the bake returns [`Error::Cancelled`].
+    /// Stop: the bake returns [`Error::Cancelled`]; what it has found stays in its [`crate::Checkpoint`].
     Stop,
 }
 
@@ -66,6 +68,11 @@ impl<'a> Progress<'a> {
     /// Wraps a closure.
     pub fn new(tell: &'a mut dyn FnMut(&Event) -> Flow) -> Progress<'a> {
         Progress { tell }
+    }
+
+    /// Lets the caller stop where there is nothing to tell. Errors: [`Error::Cancelled`].
+    pub fn tick(&mut self) -> Result<()> {
+        self.event(Event::Tick)
     }
 
     /// Tells an event. Errors: [`Error::Cancelled`] where the caller wants to stop.

@@ -18,6 +18,8 @@ const HITS: usize = 262_144;
 const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
 /// Rounds before the error of direct light is looked at.
 const FIRST_ROUNDS: u32 = 8;
+/// Most rays of direct light between two moments at which the caller may stop.
+const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
 /// Rays that tell how near a point's surroundings are, and whether it is covered.
@@ -45,13 +47,20 @@ pub(crate) fn shade<E: Engine>(
 ) -> Result<Vec<Shade>> {
     let mut out = Vec::with_capacity(points.len());
     for (i, chunk) in points.chunks(CHUNK).enumerate() {
-        out.extend(shade_chunk(engine, params, spacing, chunk, seed_of(params.seed, i as u32))?);
+        out.extend(shade_chunk(engine, params, spacing, chunk, seed_of(params.seed, i as u32), progress)?);
         progress.event(Event::Points { done: out.len() as u64, total: points.len() as u64 })?;
     }
     Ok(out)
 }
 
-fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points: &[Point], seed: u32) -> Result<Vec<Shade>> {
+fn shade_chunk<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    spacing: f64,
+    points: &[Point],
+    seed: u32,
+    progress: &mut Progress,
+) -> Result<Vec<Shade>> {
     let exact = params.direct == Direct::Exact;
     let mut batch = engine.upload(points)?;
 
@@ -60,11 +69,12 @@ fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points:
     engine.readout(&mut batch)?;
     let network = engine.irradiance(&batch)?;
     let psi = engine.psi(&batch)?;
+    progress.tick()?;
 
     // Exact direct light, as many rounds as its scatter asks for.
     let direct = if exact {
         let all: Vec<u32> = (0..points.len() as u32).collect();
-        sample_direct(engine, params, &mut batch, &all, &network, stream(seed, Stream::PointDirect))?
+        sample_direct(engine, params, &mut batch, &all, &network, stream(seed, Stream::PointDirect), progress)?
     } else {
         vec![DirectSum::default(); points.len()]
     };
@@ -78,6 +88,7 @@ fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points:
         let from = engine.upload(chunk)?;
         let hits = engine.shoot(&from, seed_of(probe_seed, c as u32), 0, PROBES)?;
         near.extend(engine.gather(&hits, PROBES, false, false)?);
+        progress.tick()?;
     }
     let mut wanted = Vec::new();
     for i in 0..points.len() {
@@ -100,17 +111,28 @@ fn shade_chunk<E: Engine>(engine: &mut E, params: &Params, spacing: f64, points:
         let mut hits = engine.shoot(&from, seed_of(stream(seed, Stream::PointGather), c as u32), 0, rays)?;
         engine.assign(&mut hits)?;
         engine.readout(&mut hits)?;
+        engine.finish()?;
+        progress.tick()?;
         if exact {
             engine.direct(&mut hits, None, seed_of(stream(seed, Stream::HitDirect), c as u32), 0, 1, HIT)?;
         }
         let gathered = engine.gather(&hits, rays, true, exact)?;
+        progress.tick()?;
         // The network carried direct light too; a gathered point takes it exactly.
         let own_direct = if exact {
             None
         } else {
             let all: Vec<u32> = (0..own.len() as u32).collect();
             let light: Vec<[f32; 4]> = chunk.iter().map(|&i| network[i]).collect();
-            Some(sample_direct(engine, params, &mut from, &all, &light, seed_of(stream(seed, Stream::PointDirect), c as u32))?)
+            Some(sample_direct(
+                engine,
+                params,
+                &mut from,
+                &all,
+                &light,
+                seed_of(stream(seed, Stream::PointDirect), c as u32),
+                progress,
+            )?)
         };
         for (k, &i) in chunk.iter().enumerate() {
             let s = &mut shades[i];
@@ -131,14 +153,23 @@ fn sample_direct<E: Engine>(
     all: &[u32],
     network: &[[f32; 4]],
     seed: u32,
+    progress: &mut Progress,
 ) -> Result<Vec<DirectSum>> {
     let most = (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2);
     let mut done = 0;
     let mut rounds = FIRST_ROUNDS.min((most / 8).max(2));
     let mut active = all.to_vec();
     loop {
-        engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;
-        done += rounds;
+        // Rounds add up in their order, however many are asked for at a time.
+        let end = done + rounds;
+        let step = (DIRECT_RAYS / (active.len() as u32 * (ROUND.emitter + ROUND.cosine)).max(1)).max(1);
+        while done < end {
+            let rounds = step.min(end - done);
+            engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;
+            engine.finish()?;
+            done += rounds;
+            progress.tick()?;
+        }
         let sums = engine.direct_sums(batch)?;
         if done >= most {
             return Ok(sums);

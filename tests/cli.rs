@@ -103,14 +103,14 @@ fn bad_companions_are_refused() {
         dir.refuses(args, 2, &[part]);
     }
     let dir = grey().with("p.csv", "px,py,pz,nx,ny,nz\n").with("short.rcell", "\u{89}");
-    dir.refuses("query s.obj --backend cpu --points p.csv -o out.csv", 2, &["s.obj: this is not a raycell solution"]);
+    dir.refuses("query s.obj --backend cpu --points p.csv -o out.csv", 2, &["s.obj: this is not a raycell file"]);
     dir.refuses("query gone.rcell --backend cpu --points p.csv -o out.csv", 2, &["cannot read gone.rcell"]);
 }
 
 #[test]
 fn promised_flags_and_commands_are_refused_by_name() {
     let dir = grey();
-    for flag in ["--target-error 5", "--time-budget=3", "--mode paper", "--effects auto", "--quality final", "--resume"] {
+    for flag in ["--target-error 5", "--time-budget=3", "--mode paper", "--effects auto", "--quality final"] {
         let name = flag.split([' ', '=']).next().unwrap();
         dir.refuses(&format!("bake s.obj --backend cpu {flag}"), 2, &[&format!("raycell: error: {name} is not built yet; ")]);
     }
@@ -169,7 +169,7 @@ fn with_json_there_is_one_object_whatever_happens() {
     for (args, kind, exit) in [
         ("bake gone.obj --json", "read", 2),
         ("--json bake s.obj --backend cpu --rays 5", "invalid_param", 2),
-        ("bake s.obj --json --adapter no-such-thing", "no_device", 3),
+        ("bake s.obj --json --adapter no-such-thing", "no_such_device", 3),
         ("bakee --json", "usage", 2),
         ("bake s.obj --json --mode paper", "not_built", 2),
     ] {

@@ -11,7 +11,7 @@ use raycell::layout::{
 };
 use raycell::network::nodes::place_nodes;
 use raycell::pass::{self, GpuEngine, SceneBuffers, SurfaceBuffers};
-use raycell::progress::Flow;
+use raycell::progress::{Flow, Progress};
 use raycell::scene::{Geometry, Material};
 use raycell::twin::assign::Surface;
 use raycell::twin::direct::Samples;
@@ -200,7 +200,17 @@ fn case(points: usize) -> Case {
     let geometry = room();
     let tiles = tiles(&geometry);
     let density = vec![1.0; geometry.tiles as usize];
-    let surface = place_nodes(&mut TwinEngine::new(&geometry), &geometry, &density, 300, 0.3, 5, true).unwrap();
+    let surface = place_nodes(
+        &mut TwinEngine::new(&geometry),
+        &geometry,
+        &density,
+        300,
+        0.3,
+        5,
+        true,
+        &mut Progress::new(&mut |_| Flow::Continue),
+    )
+    .unwrap();
     let rays = points.div_ceil(2) as u32;
     let mut points_ = twin::emit::emit(&geometry, &tiles, 11, 0, rays, rays.max(1));
     points_.truncate(points.next_multiple_of(2));
@@ -588,9 +598,17 @@ fn coefficients_equal_their_twin() {
                 winners: &device_winners,
                 direct: exact.then_some(&device_direct),
             };
-            let got =
-                pass::coefficients::coefficients(&gpu, &scene, &surface, &[rays, rays][..batches], normalise, n as f32, cells)
-                    .unwrap();
+            let got = pass::coefficients::coefficients(
+                &gpu,
+                &scene,
+                &surface,
+                &[rays, rays][..batches],
+                normalise,
+                n as f32,
+                cells,
+                &mut || Ok(()),
+            )
+            .unwrap();
             gpu.check_finished().unwrap();
 
             // Integer sums of the same floats; a contracted product may differ in its last bit.
@@ -641,7 +659,7 @@ fn fixed_point_words_equal_their_twin() {
     let (points, psi) = (gpu.upload("points", &points).unwrap(), gpu.upload("psi", &psi).unwrap());
     let winners = gpu.upload("winners", &winners).unwrap();
     let rays = pass::coefficients::Rays { points: &points, psi: &psi, winners: &winners, direct: None };
-    let got = pass::coefficients::coefficients(&gpu, &scene, &surface, &[rays], 1.0, 1.0, cells).unwrap();
+    let got = pass::coefficients::coefficients(&gpu, &scene, &surface, &[rays], 1.0, 1.0, cells, &mut || Ok(())).unwrap();
     for i in 0..cells {
         assert_eq!(want.flux[i].flux, got.flux[i].flux, "{} {:x}", weights[i], weights[i].to_bits());
     }

@@ -1,20 +1,29 @@
 //! `raycell bake`: check everything that was given, train, solve, read out, and only then write.
 
 use super::console::Console;
-use super::exit::Done;
+use super::exit::{Done, Failure};
 use super::log::Log;
 use super::shared::camera::{self, Camera};
 use super::shared::interrupt::{heed, interrupt};
+use super::shared::kept::{self, Kept};
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
 use super::shared::points::off_surface;
 use super::shared::scene::{self, Reading};
+use crate::bake_from;
+use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
+use crate::output::mesh::Mesh;
+use crate::output::report::Report;
 use crate::output::{glb, image, ply, points, report};
+use crate::params::Params;
 use crate::progress::Event;
+use crate::scene::Scene;
+use crate::solution::{self, Answer, Image, Solution, SurfacePoint};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -26,6 +35,8 @@ Examples:
       Also the light at points of your choice, and a mesh with the light in its vertex colours.
   raycell bake room.obj --rays 4194304 --seed 7
       Finer: the error falls about as rays^-0.3. Another seed shows how much is noise.
+  raycell bake room.obj --rays 4194304 --seed 7 --resume
+      Go on with that bake after Ctrl-C, a lost device or a power cut: the result is the same, to the byte.
   raycell bake room.obj --json --quiet
       For scripts: the report, and nothing else, on stdout.
   raycell bake room.obj --backend cpu --rays 16384
@@ -45,6 +56,13 @@ pub struct Flags {
     /// Also write the light at every vertex: vertices.ply, or with =glb vertices.glb.
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "ply")]
     pub vertices: Option<Vertices>,
+    /// Go on with the bake in DIR that was stopped, instead of beginning again.
+    ///
+    /// Everything else must be asked for as then; the result is, byte for byte, that of a bake that was not stopped.
+    /// Where DIR holds no checkpoint the bake begins, and where it is done already only points, vertices and pictures
+    /// are read out: a script may always give it.
+    #[arg(long)]
+    pub resume: bool,
     #[command(flatten)]
     pub reading: Reading,
     #[command(flatten)]
@@ -63,7 +81,7 @@ pub enum Vertices {
     Glb,
 }
 
-pub fn run(flags: Flags, console: &Console) -> Result<Done> {
+pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure> {
     let begin = Instant::now();
     let params = network::params(&flags.network)?;
     let camera = camera::camera(&flags.camera)?;
@@ -75,26 +93,30 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let camera = scene::camera(camera, flags.camera.view.as_deref(), &scene)?;
     let load = begin.elapsed();
     let machine = Machine::open(&flags.device, &log)?;
-    let backend = &machine.backend;
-
-    let baked = crate::bake(backend, &scene, &params, &mut |event| heed(&mut log, &stop, event));
-    let mut solution = machine.judge("the bake", baked)?;
-
-    // Everything is read out before the first file appears.
-    let begin_readout = Instant::now();
-    log.event(&Event::Stage { name: "readout" });
-    let answers =
-        points_in.as_ref().map(|p| solution.query_with(backend, p, &mut |event| heed(&mut log, &stop, event))).transpose();
-    let answers = machine.judge("the points", answers)?;
-    let picture = camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(&mut log, &stop, event))).transpose();
-    let picture = machine.judge("the picture", picture)?;
-    let mesh = flags.vertices.map(|_| solution.vertices_with(backend, &mut |event| heed(&mut log, &stop, event))).transpose();
-    let mesh = machine.judge("the vertices", mesh)?;
-    log.finish();
-    let readout = begin_readout.elapsed();
-
     let dir = &flags.output;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
+
+    // Bake and read out; everything is read out before the first result appears.
+    let there = if flags.resume { kept::already(dir, &scene, &params) } else { None };
+    let mut kept = Kept::open(dir, flags.resume && there.is_none(), &log)?;
+    let asked = Asked { points: points_in.as_deref(), camera, vertices: flags.vertices.is_some() };
+    let fill = |report: &mut Report| {
+        report.adapter = machine.adapter.clone();
+        report.memory_bytes.host = host_bytes();
+        report.seconds.load = Some(load.as_secs_f64());
+        report.seconds.total = Some(begin.elapsed().as_secs_f64());
+    };
+    let baked = there.is_none();
+    let worked = work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop);
+    let Found { mut solution, answers, picture, mesh, readout } = match worked {
+        Ok(found) => found,
+        Err(error) => {
+            log.finish();
+            return Err(kept.stopped(error, &scene, &params, fill));
+        }
+    };
+    log.finish();
+
     let wrote = |name: &str, note: &str| log.line(&format!("wrote {}{note}", dir.join(name).display()));
     if let (Some(p), Some(a)) = (&points_in, &answers) {
         points::write(&dir.join("points.csv"), p, a)?;
@@ -117,18 +139,66 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
         let tone = image::write(&dir.join("picture.png"), picture, flags.camera.exposure)?;
         wrote("picture.png", &tone.map_or(String::new(), |t| format!(" ({t})")));
     }
-    solution.save(&dir.join("solution.rcell"))?;
-    wrote("solution.rcell", "");
-    let report = solution.report_mut();
-    report.adapter = machine.adapter;
-    report.memory_bytes.host = host_bytes();
-    let seconds = &mut report.seconds;
-    seconds.load = Some(load.as_secs_f64());
-    seconds.readout = Some(readout.as_secs_f64());
-    seconds.total = Some(begin.elapsed().as_secs_f64());
-    report::write(&dir.join("report.json"), solution.report())?;
-    wrote("report.json", "");
+    if baked {
+        solution.save(&dir.join("solution.rcell"))?;
+        wrote("solution.rcell", "");
+        let report = solution.report_mut();
+        fill(report);
+        report.seconds.readout = Some(readout.as_secs_f64());
+        report::write(&dir.join("report.json"), report)?;
+        wrote("report.json", "");
+        kept.done()?;
+    }
     Ok(Done::new(serde_json::to_value(solution.report()).unwrap_or_default()))
+}
+
+/// What is read out of a bake.
+struct Asked<'a> {
+    points: Option<&'a [SurfacePoint]>,
+    camera: Option<solution::Camera>,
+    vertices: bool,
+}
+
+/// A bake and what was read out of it.
+struct Found {
+    solution: Solution,
+    answers: Option<Vec<Answer>>,
+    picture: Option<Image>,
+    mesh: Option<Mesh>,
+    readout: Duration,
+}
+
+/// Bakes where that is not done already, and reads out.
+fn work(
+    machine: &Machine,
+    scene: &Scene,
+    params: &Params,
+    there: Option<Solution>,
+    checkpoint: &mut Checkpoint,
+    asked: &Asked,
+    log: &mut Log,
+    stop: &AtomicBool,
+) -> Result<Found> {
+    let backend = &machine.backend;
+    let solution = match there {
+        Some(solution) => {
+            log.line("the bake is done already: only reading out");
+            solution
+        }
+        None => {
+            let baked = bake_from(backend, scene, params, checkpoint, &mut |event| heed(log, stop, event));
+            machine.judge("the bake", baked)?
+        }
+    };
+    let begin = Instant::now();
+    log.event(&Event::Stage { name: "readout" });
+    let answers = asked.points.map(|p| solution.query_with(backend, p, &mut |event| heed(log, stop, event))).transpose();
+    let answers = machine.judge("the points", answers)?;
+    let picture = asked.camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(log, stop, event))).transpose();
+    let picture = machine.judge("the picture", picture)?;
+    let mesh = asked.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, stop, event))).transpose();
+    let mesh = machine.judge("the vertices", mesh)?;
+    Ok(Found { solution, answers, picture, mesh, readout: begin.elapsed() })
 }
 
 /// Most memory this process has held, where the system tells.

@@ -38,6 +38,20 @@ impl Done {
     }
 }
 
+/// Why a command did not do its work, and what to say in place of the error's own words.
+pub struct Failure {
+    /// The error.
+    pub error: Error,
+    /// Other words for it.
+    pub words: Option<String>,
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure { error, words: None }
+    }
+}
+
 /// An error's name for scripts, and its exit code.
 pub fn of(e: &Error) -> (&'static str, u8) {
     match e {
@@ -51,6 +65,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
+        Error::OtherBake { .. } => ("other_bake", USAGE),
         Error::NotContractive { .. } => ("not_contractive", USAGE),
         Error::NoDevice { .. } => ("no_device", NO_DEVICE),
         Error::Limit { .. } => ("limit", NO_DEVICE),

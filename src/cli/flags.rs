@@ -12,7 +12,6 @@ const NOT_BUILT: &[(&str, &str)] = &[
     ("--mode", "bakes run in flux mode"),
     ("--effects", "every bake has diffuse light with exact shadows"),
     ("--quality", "set --rays instead"),
-    ("--resume", "bake again; the same seed gives the same result"),
     ("relight", "bake again with the new lights"),
     ("sweep", "bake with several --rays"),
     ("paper", "bakes run in flux mode"),

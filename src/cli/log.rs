@@ -72,6 +72,7 @@ impl Log {
                 self.message(format!("sweep {n}, residual {residual:.1e}"));
             }
             Event::Warning(text) => self.warning(text),
+            Event::Tick => {}
         }
     }
 

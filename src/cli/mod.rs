@@ -13,10 +13,10 @@ mod query;
 mod render;
 mod shared;
 
-use crate::error::{Error, Result};
+use crate::error::Error;
 use clap::error::ErrorKind;
 use console::Console;
-use exit::Done;
+use exit::{Done, Failure};
 use flags::Command;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -48,26 +48,27 @@ pub fn run() -> ExitCode {
     });
     match done {
         Ok(code) => code.into(),
-        Err(e) => {
-            let (kind, code) = exit::of(&e);
-            let message = match &e {
+        Err(Failure { error, words }) => {
+            let (kind, code) = exit::of(&error);
+            let message = words.unwrap_or_else(|| match &error {
                 Error::Cancelled => "interrupted; nothing was written".to_string(),
-                _ => e.to_string(),
-            };
+                _ => error.to_string(),
+            });
             console.error(kind, &message, code);
             code.into()
         }
     }
 }
 
-fn obey(command: Command, console: &Console) -> Result<Done> {
-    match command {
-        Command::Bake(flags) => bake::run(flags, console),
+fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
+    let done = match command {
+        Command::Bake(flags) => return bake::run(flags, console),
         Command::Query(flags) => query::run(flags, console),
         Command::Render(flags) => render::run(flags, console),
         Command::Doctor(flags) => doctor::run(flags),
         Command::Adapters(flags) => adapters::run(flags),
         Command::Man(flags) => man::run(flags, console),
         Command::Completions(flags) => completions::run(flags),
-    }
+    };
+    Ok(done?)
 }

@@ -4,6 +4,7 @@ use super::console::Console;
 use super::exit::Done;
 use super::log::Log;
 use super::shared::interrupt::{heed, interrupt};
+use super::shared::kept::warn_if_partial;
 use super::shared::machine::{Device, Machine};
 use super::shared::points::off_surface;
 use crate::error::Result;
@@ -42,6 +43,7 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let points_in: Vec<SurfacePoint> = points::read(&flags.points)?;
     let solution = Solution::load(&flags.solution)?;
     let mut log = Log::new(console);
+    warn_if_partial(&solution, &log);
     let machine = Machine::open(&flags.device, &log)?;
     log.event(&Event::Stage { name: "readout" });
     let stop = interrupt();

@@ -5,6 +5,7 @@ use super::exit::Done;
 use super::log::Log;
 use super::shared::camera::{self, Camera};
 use super::shared::interrupt::{heed, interrupt};
+use super::shared::kept::warn_if_partial;
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
 use super::shared::scene::{self, Reading};
@@ -66,6 +67,7 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
             log.warning("--seed, --rays, --cells and --direct shape a bake; this solution is already baked");
         }
         let solution = Solution::load(&flags.input)?;
+        warn_if_partial(&solution, &log);
         (Machine::open(&flags.device, &log)?, solution, camera)
     } else {
         let params = network::params(&flags.network)?;

@@ -2,7 +2,9 @@
 
 use super::finding::{Check, Finding, count};
 use super::mesh::Mesh;
+use super::rays::{Dice, Sight};
 use super::tally::{Tally, name};
+use crate::layout::NONE;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -14,6 +16,8 @@ const LEVEL: f64 = 1e-5;
 const PARALLEL: f64 = 1.0 - 1e-6;
 /// How far triangles in one plane must cover each other, as a share of the lower height of the two.
 const COVER: f64 = 0.05;
+/// Rays that tell whether a place lies within a closed surface.
+const RAYS: u32 = 16;
 
 /// What two triangles do to each other.
 enum Trouble {
@@ -102,7 +106,8 @@ fn trouble(mesh: &Mesh, wrong: &[bool], i: u32, j: u32) -> Option<Trouble> {
     let (n, m) = (mesh.normal(i), mesh.normal(j));
     if n.dot(m) > PARALLEL {
         let flipped = [i, j].iter().any(|&t| wrong[mesh.patch[t as usize] as usize]);
-        return if flipped { None } else { cover(mesh, i, j).map(Trouble::Cover) };
+        let place = if flipped { None } else { cover(mesh, i, j) };
+        return place.filter(|&place| ![i, j].iter().any(|&t| hides(mesh, t, place))).map(Trouble::Cover);
     }
     if mesh.object(i) == mesh.object(j) {
         return None;
@@ -172,4 +177,16 @@ fn cover(mesh: &Mesh, i: u32, j: u32) -> Option<DVec3> {
         }
     }
     Some((b[0] + b[1] + b[2]) / 3.0)
+}
+
+/// Whether one face of a sheet with two lies where nobody looks: on the inside of its own object, as the upper
+/// face of a box's bottom does, or towards nothing.
+fn hides(mesh: &Mesh, tri: u32, place: DVec3) -> bool {
+    let n = mesh.normal(tri).as_vec3();
+    let unseen = |sight: Sight| match sight {
+        Sight::Void => true,
+        Sight::Front(t, _) | Sight::Back(t, _) => mesh.object(t) == mesh.object(tri),
+    };
+    let above = place.as_vec3() + n * (2.0 * LEVEL as f32);
+    mesh.mirror[tri as usize] != NONE && (0..RAYS).all(|i| unseen(mesh.look_about(above, n, NONE, &mut Dice::new(6, i)).0))
 }

@@ -50,7 +50,7 @@ pub fn unit(scene: &Scene, geometry: &Geometry) -> Option<Finding> {
         _ => return None,
     };
     let message = format!("{}: the scene is {} long; its numbers look like {guess}, not metres", scene.name, metres(size));
-    let cure = "say the file's unit with --unit, or export in metres";
+    let cure = "say the file's unit, as --unit 0.001 for millimetres, or export in metres";
     Some(Finding::new(Check::Unit, &scene.name, size, "m", message, cure))
 }
 

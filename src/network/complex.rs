@@ -14,6 +14,20 @@ impl Complex {
         Complex { simplices: vec![[0, 1, 2]], of_cell: vec![vec![0]; 3] }
     }
 
+    /// The complex that [`Complex::simplices`] of `cells` cells described. None where a simplex repeats a cell or
+    /// names one that is not there, or a cell is in no simplex.
+    pub fn from_simplices(cells: usize, simplices: Vec<[u32; 3]>) -> Option<Complex> {
+        let mut of_cell = vec![Vec::new(); cells];
+        for (i, s) in simplices.iter().enumerate() {
+            for &c in s {
+                of_cell.get_mut(c as usize)?.push(i as u32);
+            }
+        }
+        // The order in which a cell lists its simplices leaves no trace: splits and deletions work on sets.
+        let complex = Complex { simplices, of_cell };
+        complex.check().ok().map(|()| complex)
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.of_cell.len()
@@ -159,6 +173,13 @@ mod tests {
                 }
             }
             complex.check().unwrap_or_else(|e| panic!("step {step}: {e}"));
+        }
+        let again = Complex::from_simplices(complex.cells(), complex.simplices().to_vec()).unwrap();
+        assert_eq!(again.adjacency(), complex.adjacency());
+        for (cells, simplices) in
+            [(3, vec![]), (3, vec![[0, 1, 3]]), (3, vec![[0, 1, 1]]), (4, vec![[0, 1, 2]]), (0, vec![]), (2, vec![[0, 1, 0]])]
+        {
+            assert!(Complex::from_simplices(cells, simplices.clone()).is_none(), "{cells} {simplices:?}");
         }
         let (offsets, all) = complex.adjacency();
         for c in 0..complex.cells() as u32 {

@@ -4,20 +4,20 @@ use super::complex::Complex;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{CellSums, FEATURE_DIM};
-use crate::progress::{Event, Progress};
 use crate::twin::winner::Feature;
+use serde::{Deserialize, Serialize};
 
 /// Rays an epoch shows each cell.
 const RAYS_PER_CELL: usize = 16;
 /// How strongly neighbours draw a cell while the network grows.
 const ETA: f32 = 0.05;
 /// Epochs of pure Lloyd iteration at the end.
-const LLOYD: usize = 3;
+const LLOYD: u32 = 3;
 /// Cells with fewer rays than this share of the mean are starved.
 const STARVED: f64 = 0.05;
 
 /// What training did, for the report.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Training {
     /// Epochs run.
     pub epochs: u32,
@@ -34,71 +34,77 @@ fn distance2(a: &Feature, b: &Feature) -> f32 {
     (0..FEATURE_DIM).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
 }
 
-/// Grows a network to `target` cells on the features of `batches`, which hold `lengths` directed rays. Epochs walk through the batches in turn, so that they see fresh rays as long as there are any.
-/// Returns the cells and what was done.
-pub fn grow<E: Engine>(
-    engine: &mut E,
-    batches: &mut [E::Batch],
-    lengths: &[usize],
-    target: usize,
-    progress: &mut Progress,
-) -> Result<(Vec<Feature>, Training)> {
-    let mut training = Training::default();
+/// A network that grows, between two epochs.
+#[derive(Clone, Debug)]
+pub struct Growth {
+    /// The cells.
+    pub cells: Vec<Feature>,
+    /// Their topology.
+    pub complex: Complex,
+    /// What was done so far.
+    pub training: Training,
+    /// The batch whose rays come next.
+    pub batch: usize,
+    /// The directed ray of it that comes next.
+    pub at: usize,
+    /// Epochs of pure Lloyd iteration done.
+    pub lloyd: u32,
+    /// Whether it is grown.
+    pub done: bool,
+}
 
-    // Start from three rays that count, far enough apart to span a triangle.
-    let mut cells: Vec<Feature> = Vec::new();
-    let sample = engine.features(&batches[0], 0..lengths[0].min(4096))?;
-    for f in sample.iter().filter(|f| f.iter().any(|&x| x != 0.0)) {
-        if cells.iter().all(|c| distance2(c, f) > 1e-4) {
-            cells.push(*f);
-        }
-        if cells.len() == 3 {
-            break;
-        }
-    }
-    while cells.len() < 3 {
-        // All rays alike (or none): any three cells serve.
-        let mut f = sample.first().copied().unwrap_or_default();
-        f[0] += 1e-3 * cells.len() as f32;
-        cells.push(f);
-    }
-    let mut complex = Complex::triangle();
-
-    let (mut batch, mut at) = (0, 0);
-    let mut lloyd = 0;
-    loop {
-        // Show the cells their share of rays.
-        let share = (RAYS_PER_CELL * cells.len() * 2).max(512);
-        if at + share.min(lengths[batch]) > lengths[batch] {
-            (batch, at) = ((batch + 1) % batches.len(), 0);
-        }
-        let want = share.min(lengths[batch]);
-        let range = at..at + want;
-        at += want;
-        engine.winner(&mut batches[batch], range.clone(), &cells)?;
-        let sums = engine.accumulate(&batches[batch], range, &cells)?;
-        let growing = cells.len() < target;
-        let (offsets, neighbours) = complex.adjacency();
-        cells = engine.adapt(&cells, &sums, &offsets, &neighbours, if growing { ETA } else { 0.0 })?;
-        training.epochs += 1;
-        progress.event(Event::Cells { count: cells.len() as u64 })?;
-        if growing {
-            insert(&mut cells, &mut complex, &sums, target);
-            if training.epochs.is_multiple_of(3) {
-                training.deleted += delete_starved(&mut cells, &mut complex, &sums);
+impl Growth {
+    /// Three cells: features of `sample` that count, far enough apart to span a triangle.
+    pub fn start(sample: &[Feature]) -> Growth {
+        let mut cells: Vec<Feature> = Vec::new();
+        for f in sample.iter().filter(|f| f.iter().any(|&x| x != 0.0)) {
+            if cells.iter().all(|c| distance2(c, f) > 1e-4) {
+                cells.push(*f);
             }
-        } else {
-            lloyd += 1;
-            if lloyd == LLOYD {
+            if cells.len() == 3 {
                 break;
             }
         }
-        debug_assert_eq!(complex.check(), Ok(()));
-        if training.epochs > 200 {
-            break; // Deletion and insertion keep each other busy: what there is will do.
+        while cells.len() < 3 {
+            // All rays alike (or none): any three cells serve.
+            let mut f = sample.first().copied().unwrap_or_default();
+            f[0] += 1e-3 * cells.len() as f32;
+            cells.push(f);
         }
+        Growth { cells, complex: Complex::triangle(), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: false }
     }
-    Ok((cells, training))
+
+    /// An epoch on the way to `target` cells: shows the cells their share of the features of `batches`, which hold
+    /// `lengths` directed rays, and moves, inserts and deletes. Epochs walk through the batches in turn, so that
+    /// they see fresh rays as long as there are any. On an error nothing has changed.
+    pub fn epoch<E: Engine>(&mut self, engine: &mut E, batches: &mut [E::Batch], lengths: &[usize], target: usize) -> Result<()> {
+        let (mut batch, mut at) = (self.batch, self.at);
+        let share = (RAYS_PER_CELL * self.cells.len() * 2).max(512);
+        if at + share.min(lengths[batch]) > lengths[batch] {
+            (batch, at) = ((batch + 1) % batches.len(), 0);
+        }
+        let range = at..at + share.min(lengths[batch]);
+        engine.winner(&mut batches[batch], range.clone(), &self.cells)?;
+        let sums = engine.accumulate(&batches[batch], range.clone(), &self.cells)?;
+        let growing = self.cells.len() < target;
+        let (offsets, neighbours) = self.complex.adjacency();
+        self.cells = engine.adapt(&self.cells, &sums, &offsets, &neighbours, if growing { ETA } else { 0.0 })?;
+
+        (self.batch, self.at) = (batch, range.end);
+        self.training.epochs += 1;
+        if growing {
+            insert(&mut self.cells, &mut self.complex, &sums, target);
+            if self.training.epochs.is_multiple_of(3) {
+                self.training.deleted += delete_starved(&mut self.cells, &mut self.complex, &sums);
+            }
+        } else {
+            self.lloyd += 1;
+        }
+        debug_assert_eq!(self.complex.check(), Ok(()));
+        // Deletion and insertion may keep each other busy: then what there is will do.
+        self.done = self.lloyd == LLOYD || self.training.epochs > 200;
+        Ok(())
+    }
 }
 
 /// Splits the longest edge of the cells with the highest resource, at most doubling the network.

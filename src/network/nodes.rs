@@ -3,6 +3,7 @@
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{Candidate, Node, Point};
+use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
 use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
 use crate::twin::gather::Gathered;
@@ -110,12 +111,13 @@ pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32)
 }
 
 /// Which of the points are dead; see [`Gathered::is_dead`].
-pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32) -> Result<Vec<bool>> {
+pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32, progress: &mut Progress) -> Result<Vec<bool>> {
     let mut dead = Vec::with_capacity(points.len());
     for chunk in points.chunks(32_768) {
         let batch = engine.upload(chunk)?;
         let hits = engine.shoot(&batch, seed, 0, DEAD_PROBES)?;
         dead.extend(engine.gather(&hits, DEAD_PROBES, false, false)?.iter().map(Gathered::is_dead));
+        progress.tick()?;
     }
     Ok(dead)
 }
@@ -131,6 +133,7 @@ pub fn place_nodes<E: Engine>(
     lambda: f32,
     seed: u32,
     mark: bool,
+    progress: &mut Progress,
 ) -> Result<Surface> {
     // Only what reflects needs nodes; emitters that do not are read as B = E.
     let weight: Vec<f64> = (0..geometry.tiles as usize)
@@ -140,7 +143,7 @@ pub fn place_nodes<E: Engine>(
         })
         .collect();
     let points = sample_points(geometry, &weight, (count * POINTS_PER_NODE) as u32, seed);
-    let dead = dead_points(engine, &points, seed ^ 0xdead)?;
+    let dead = dead_points(engine, &points, seed ^ 0xdead, progress)?;
     let points: Vec<Point> = points.into_iter().zip(dead).filter(|(_, d)| !d).map(|(p, _)| p).collect();
     let places: Vec<Place> = points.iter().map(|p| place(geometry, p, lambda)).collect();
 
@@ -148,6 +151,7 @@ pub fn place_nodes<E: Engine>(
     let mut surface = Surface { inv_unit: (1.0 / geometry.unit) as f32, lambda, ..Surface::default() };
     let all: Vec<usize> = (0..points.len()).collect();
     add_nodes(geometry, &mut surface, &points, &places, &all, count);
+    progress.tick()?;
     find_candidates(geometry, &mut surface);
     engine.set_surface(&surface)?;
 
@@ -159,6 +163,7 @@ pub fn place_nodes<E: Engine>(
             engine.assign(&mut batch)?;
             let psi = engine.psi(&batch)?;
             orphans.extend(psi.iter().enumerate().filter(|(_, s)| s.is_orphan()).map(|(i, _)| start * 65_536 + i));
+            progress.tick()?;
         }
         let more =
             orphans.len().div_ceil(POINTS_PER_ORPHAN_NODE).min((ORPHAN_SHARE * surface.nodes.len() as f64).ceil() as usize);
@@ -174,6 +179,16 @@ pub fn place_nodes<E: Engine>(
         engine.set_surface(&surface)?;
     }
     Ok(surface)
+}
+
+/// The surface network of nodes that were placed earlier; `mark` as for [`place_nodes`].
+pub fn surface_of(geometry: &Geometry, nodes: Vec<Node>, lambda: f32, mark: bool) -> Surface {
+    let mut surface = Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda, ..Surface::default() };
+    find_candidates(geometry, &mut surface);
+    if mark {
+        mark_free(geometry, &mut surface);
+    }
+    surface
 }
 
 /// Adds about `count` nodes at the k-means of the chosen points, material by material.

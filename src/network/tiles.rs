@@ -4,6 +4,7 @@ use super::nodes::tile_corners;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point, Tile, kind};
+use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
@@ -33,12 +34,13 @@ pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
 }
 
 /// A first estimate of direct light at every tile's point.
-pub fn direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32) -> Result<Vec<DirectSum>> {
+pub fn direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32, progress: &mut Progress) -> Result<Vec<DirectSum>> {
     let mut sums = Vec::new();
     for (i, chunk) in places.chunks(BATCH).enumerate() {
         let mut batch = engine.upload(chunk)?;
         engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, 2, Samples { emitter: 6, cosine: 2 })?;
         sums.extend(engine.direct_sums(&batch)?);
+        progress.tick()?;
     }
     Ok(sums)
 }

@@ -37,6 +37,13 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<SurfacePoint>> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(refuse(1, "the file is UTF-16".into(), "save it as UTF-8"));
     }
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    // A record's position is where the one before it ended; empty lines between them count, too.
+    let line_of = |at: Option<&csv::Position>| {
+        let (line, from) = at.map_or((1, 0), |p| (p.line(), p.byte() as usize));
+        let empty = bytes.get(from..).unwrap_or_default().iter().take_while(|b| b"\r\n".contains(b));
+        line + empty.filter(|b| **b == b'\n').count() as u64
+    };
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
     let header = reader.byte_headers().map_err(|e| fail(1, e.to_string()))?.clone();
     let mut column = [0; 6];
@@ -61,9 +68,9 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<SurfacePoint>> {
                 }
                 _ => e.to_string(),
             };
-            refuse(e.position().map_or(1, |p| p.line()), what, "fill the row up, or look for a quote that is not closed")
+            refuse(line_of(e.position()), what, "fill the row up, or look for a quote that is not closed")
         })?;
-        let line = record.position().map_or(1, |p| p.line());
+        let line = || line_of(record.position());
         let mut v = [0.0; 6];
         for k in 0..6 {
             let cell = String::from_utf8_lossy(record.get(column[k]).unwrap_or_default());
@@ -71,11 +78,11 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<SurfacePoint>> {
                 .parse()
                 .ok()
                 .filter(|x: &f64| x.is_finite())
-                .ok_or_else(|| fail(line, format!("'{}' in column '{}' is not a finite number", short(&cell), IN[k])))?;
+                .ok_or_else(|| fail(line(), format!("'{}' in column '{}' is not a finite number", short(&cell), IN[k])))?;
         }
         let point = SurfacePoint { p: [v[0], v[1], v[2]], n: [v[3], v[4], v[5]] };
         if point.n == [0.0; 3] {
-            return Err(fail(line, "the normal has no length".into()));
+            return Err(fail(line(), "the normal has no length".into()));
         }
         points.push(point);
     }

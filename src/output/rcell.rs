@@ -1,4 +1,5 @@
-//! `solution.rcell`: a JSON header and named binary sections, little endian, versioned and checksummed.
+//! `.rcell`: a JSON header and named binary sections, little endian, versioned and checksummed. Solutions and
+//! checkpoints are such files.
 //!
 //! ```text
 //! magic    8 bytes   89 'RCEL' 0D 0A 1A   (as PNG's: shows text-mode damage at once)
@@ -13,8 +14,10 @@
 use super::atomic;
 use crate::error::{Error, Result};
 use bytemuck::Pod;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 #[cfg(target_endian = "big")]
@@ -43,12 +46,16 @@ pub struct Section<'a> {
 impl<'a> Section<'a> {
     /// A section of records.
     pub fn new<T: Pod>(name: &'a str, records: &'a [T]) -> Section<'a> {
-        let kind = std::any::type_name::<T>().rsplit("::").next().unwrap_or("u8");
-        Section { name, kind, stride: size_of::<T>(), bytes: bytemuck::cast_slice(records) }
+        Section { name, kind: kind::<T>(), stride: size_of::<T>(), bytes: bytemuck::cast_slice(records) }
     }
 }
 
-#[derive(Serialize, Deserialize)]
+/// The name of a type without its path.
+fn kind<T>() -> &'static str {
+    std::any::type_name::<T>().rsplit("::").next().unwrap_or("u8")
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Entry {
     name: String,
     #[serde(rename = "type")]
@@ -119,35 +126,39 @@ pub struct Container {
     pub data: Value,
     path: PathBuf,
     bytes: Vec<u8>,
-    entries: Vec<(String, u64, std::ops::Range<usize>)>,
+    sections: Vec<(Entry, Range<usize>)>,
 }
 
 /// Reads a container, checking every byte of it.
 ///
-/// Errors: [`Error::Read`]; [`Error::Format`] where the file is no solution, of a newer version,
+/// Errors: [`Error::Read`]; [`Error::Format`] where the file is no container, of a newer version,
 /// truncated, or damaged.
 pub fn read(path: &Path) -> Result<Container> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.into(), source })?;
+    parse(std::fs::read(path).map_err(|source| Error::Read { path: path.into(), source })?, path)
+}
+
+/// As [`read`], from memory; `path` names it in messages. Takes no more memory than a few times the bytes given.
+pub fn parse(bytes: Vec<u8>, path: &Path) -> Result<Container> {
     let fail = |what: &str, cure: &str| Error::Format { path: path.into(), line: None, what: what.into(), cure: cure.into() };
-    let truncated = || fail("the solution is truncated", "copy it again, or bake it again");
-    let damaged = |what: &str| fail(&format!("the solution is damaged ({what})"), "copy it again, or bake it again");
+    let truncated = || fail("the file is truncated", "copy it again, or bake it again");
+    let damaged = |what: &str| fail(&format!("the file is damaged ({what})"), "copy it again, or bake it again");
 
     // Preamble: magic before length, so that any other file is told from a short solution.
     if bytes.len() < MAGIC.len() || bytes[..8] != MAGIC {
         if !bytes.is_empty() && MAGIC.starts_with(&bytes) {
             return Err(truncated());
         }
-        return Err(fail("this is not a raycell solution", "give a solution.rcell that raycell bake has written"));
+        return Err(fail("this is not a raycell file", "give one that raycell bake has written"));
     }
     let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
     let version = word(8).ok_or_else(truncated)?;
     if version > VERSION {
-        let what = format!("the solution has format version {version}, this program reads up to {VERSION}");
+        let what = format!("the file has format version {version}, this program reads up to {VERSION}");
         return Err(fail(&what, "use a newer raycell, or bake it again"));
     }
     let length = word(12).ok_or_else(truncated)? as usize;
     let stored = word(16).ok_or_else(truncated)?;
-    let text = bytes.get(PREAMBLE..PREAMBLE + length).ok_or_else(truncated)?;
+    let text = bytes.get(PREAMBLE..).and_then(|b| b.get(..length)).ok_or_else(truncated)?;
     let mut crc = crc32fast::Hasher::new();
     crc.update(&bytes[8..16]);
     crc.update(text);
@@ -158,13 +169,14 @@ pub fn read(path: &Path) -> Result<Container> {
 
     // Sections follow one another; nothing but zeros lies between and nothing behind.
     let mut end = PREAMBLE + length;
-    let mut entries = Vec::new();
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut ranges = Vec::new();
     for e in header.sections {
         let range = usize::try_from(e.offset)
             .ok()
             .zip(e.offset.checked_add(e.length).and_then(|end| usize::try_from(end).ok()))
             .map(|(a, b)| a..b)
-            .filter(|r| r.start >= end)
+            .filter(|r| r.start >= end && entries.iter().all(|other| other.name != e.name))
             .ok_or_else(|| damaged("section table"))?;
         let section = bytes.get(range.clone()).ok_or_else(truncated)?;
         if crc32fast::hash(section) != e.crc {
@@ -174,12 +186,13 @@ pub fn read(path: &Path) -> Result<Container> {
             return Err(damaged("padding"));
         }
         end = range.end;
-        entries.push((e.name, e.stride, range));
+        entries.push(e);
+        ranges.push(range);
     }
     if end != bytes.len() {
         return Err(damaged("bytes behind the last section"));
     }
-    Ok(Container { data: header.data, path: path.into(), bytes, entries })
+    Ok(Container { data: header.data, path: path.into(), bytes, sections: entries.into_iter().zip(ranges).collect() })
 }
 
 impl Container {
@@ -187,18 +200,32 @@ impl Container {
     ///
     /// Errors: [`Error::Format`] where the section is missing or its records are of another size.
     pub fn get<T: Pod>(&self, name: &str) -> Result<Vec<T>> {
-        let fail = |what: String| Error::Format {
-            path: self.path.clone(),
-            line: None,
-            what,
-            cure: "bake it again with this version of raycell".into(),
-        };
-        let (_, stride, range) =
-            self.entries.iter().find(|e| e.0 == name).ok_or_else(|| fail(format!("section '{name}' is missing")))?;
-        if *stride != size_of::<T>() as u64 || range.len() % size_of::<T>().max(1) != 0 {
-            return Err(fail(format!("section '{name}' holds records of {stride} bytes, not {}", size_of::<T>())));
+        let found = self.sections.iter().find(|(e, _)| e.name == name);
+        let (entry, range) = found.ok_or_else(|| self.fail(&format!("section '{name}' is missing")))?;
+        if entry.stride != size_of::<T>() as u64 || entry.kind != kind::<T>() || range.len() % size_of::<T>().max(1) != 0 {
+            let (there, asked) = ((&entry.kind, entry.stride), (kind::<T>(), size_of::<T>()));
+            return Err(
+                self.fail(&format!("section '{name}' holds {} of {} bytes, not {} of {}", there.0, there.1, asked.0, asked.1))
+            );
         }
         Ok(bytemuck::pod_collect_to_vec(&self.bytes[range.clone()]))
+    }
+
+    /// The caller's part of the header, which says that the container holds `content`.
+    ///
+    /// Errors: [`Error::Format`] where it holds something else, or cannot be read.
+    pub fn header<T: DeserializeOwned>(&self, content: &str) -> Result<T> {
+        let found = self.data["content"].as_str().unwrap_or("something else");
+        if found != content {
+            return Err(self.fail(&format!("the file holds '{found}', not a {content}")));
+        }
+        serde_json::from_value(self.data.clone()).map_err(|e| self.fail(&format!("the header cannot be read: {e}")))
+    }
+
+    /// A refusal of the file.
+    pub(crate) fn fail(&self, what: &str) -> Error {
+        let cure = "bake it again with this version of raycell".into();
+        Error::Format { path: self.path.clone(), line: None, what: what.into(), cure }
     }
 }
 
@@ -227,7 +254,7 @@ mod tests {
         assert!(c.get::<f32>("c").unwrap_err().to_string().contains("section 'c' is missing"));
         assert!(c.get::<u8>("a").is_err());
         assert_eq!(bytes.windows(2).filter(|w| w == b"\"f").count(), 1, "the type is named");
-        assert!(c.entries.iter().all(|e| e.2.start % 16 == 0));
+        assert!(c.sections.iter().all(|(_, range)| range.start % 16 == 0));
         // Nothing at all is a container too.
         write(&path, &Value::Null, &[]).unwrap();
         assert!(read(&path).unwrap().data.is_null());
@@ -248,7 +275,7 @@ mod tests {
             wrong[i] ^= 1 << (i % 8);
             let got = error(&wrong);
             let expected = match i {
-                0..8 => "not a raycell solution",
+                0..8 => "not a raycell file",
                 8..12 => "version",
                 12..16 => "",
                 _ => "damaged",
@@ -259,7 +286,7 @@ mod tests {
             let got = error(&bytes[..n]);
             assert!(got.contains(if n == 0 { "not a raycell" } else { "truncated" }), "{n} bytes: {got}");
         }
-        assert!(error(b"v 0 0 0\n").contains("not a raycell solution"));
+        assert!(error(b"v 0 0 0\n").contains("not a raycell file"));
         assert!(error(&[bytes.clone(), vec![1]].concat()).contains("behind"));
         let mut newer = bytes.clone();
         newer[8] = 2;

@@ -41,6 +41,12 @@ pub struct Report {
     pub estimated_error: Option<EstimatedError>,
     /// What was odd, in words.
     pub warnings: Vec<String>,
+    /// Whether the bake was stopped before the light was solved and refined.
+    #[serde(default)]
+    pub partial: bool,
+    /// How far a stopped bake came, in words; null where it came to its end.
+    #[serde(default)]
+    pub reached: Option<String>,
     /// Further keys, not yet stable.
     #[serde(flatten)]
     pub extra: serde_json::Map<String, serde_json::Value>,
@@ -170,7 +176,7 @@ mod tests {
         let keys = "scene.path scene.triangles scene.dropped adapter seed params effects cells nodes coefficients rays \
             seconds.load seconds.bvh seconds.train seconds.coefficients seconds.solve seconds.direct seconds.readout \
             seconds.total memory_bytes.host memory_bytes.device solver.method solver.sweeps solver.residual \
-            solver.error_bound energy.emitted energy.absorbed energy.escaped energy.imbalance estimated_error warnings pilot";
+            solver.error_bound partial reached energy.emitted energy.absorbed energy.escaped energy.imbalance estimated_error warnings pilot";
         for key in keys.split_whitespace() {
             let found = key.split('.').try_fold(&json, |at, k| at.get(k));
             assert!(found.is_some(), "{key}");

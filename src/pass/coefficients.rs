@@ -84,7 +84,8 @@ pub struct Rays<'a> {
     pub direct: Option<&'a GpuVec<DirectSum>>,
 }
 
-/// Sums all batches; see [`crate::twin::coefficients::coefficients`]. Waits for the result, which the host compacts.
+/// Sums all batches; see [`crate::twin::coefficients::coefficients`]. Waits for each batch before `beat`,
+/// and for the result, which the host compacts.
 pub fn coefficients(
     gpu: &Gpu,
     scene: &SceneBuffers,
@@ -93,6 +94,7 @@ pub fn coefficients(
     normalise: f32,
     rays: f32,
     cells: usize,
+    beat: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Sums> {
     // A full row does its round again: start with as many slots as rows for all cells have room for.
     let room = ROW_BYTES / (2 * size_of::<Slot>() * cells.max(1));
@@ -129,6 +131,8 @@ pub fn coefficients(
                 gpu.status(),
             ];
             gpu.run(&KERNEL, &params, &buffers, batch.points.len(), HEAVY)?;
+            gpu.check_finished()?;
+            beat()?;
         }
         masses = false;
 

@@ -143,6 +143,11 @@ impl Engine for GpuEngine<'_> {
         super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
     }
 
+    fn set_direct(&mut self, batch: &mut GpuBatch, sums: &[DirectSum]) -> Result<()> {
+        batch.direct = self.gpu.upload("direct", sums)?;
+        Ok(())
+    }
+
     fn direct_sums(&mut self, batch: &GpuBatch) -> Result<Vec<DirectSum>> {
         self.fetch(&batch.direct)
     }
@@ -218,12 +223,21 @@ impl Engine for GpuEngine<'_> {
         self.fetch(&moved)
     }
 
-    fn coefficients(&mut self, batches: &[GpuBatch], exact: bool, normalise: f32, rays: f32, cells: usize) -> Result<Sums> {
+    fn coefficients(
+        &mut self,
+        batches: &[GpuBatch],
+        exact: bool,
+        normalise: f32,
+        rays: f32,
+        cells: usize,
+        beat: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<Sums> {
         let batches: Vec<Rays> = batches
             .iter()
             .map(|b| Rays { points: &b.points, psi: &b.psi, winners: &b.winners, direct: exact.then_some(&b.direct) })
             .collect();
-        let sums = super::coefficients::coefficients(self.gpu, &self.scene, &self.surface, &batches, normalise, rays, cells)?;
+        let sums =
+            super::coefficients::coefficients(self.gpu, &self.scene, &self.surface, &batches, normalise, rays, cells, beat)?;
         self.gpu.check_finished()?;
         Ok(sums)
     }

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::layout::{DirectSum, NONE, NodeLight, Point, kind};
 use crate::network::tiles::{distribution, mean};
 use crate::output::report::Energy;
+use crate::progress::Progress;
 use crate::scene::Geometry;
 
 /// Rays from emitters.
@@ -21,6 +22,7 @@ pub fn account<E: Engine>(
     exact: bool,
     light: &[NodeLight],
     batches: &mut [E::Batch],
+    progress: &mut Progress,
 ) -> Result<Energy> {
     let per_area = 1.0 / (geometry.emission_scale * geometry.scale * geometry.scale);
     let mut emitted = [0.0; 3];
@@ -80,6 +82,7 @@ pub fn account<E: Engine>(
             let d = direct.get(x).map_or([0.0; 3], DirectSum::mean);
             [0, 1, 2].map(|k| rho[k] as f64 * (h[x][k] + d[k]) as f64)
         });
+        progress.tick()?;
     }
     let imbalance = (0..3).map(|k| emitted[k] - absorbed[k] - escaped[k]).sum::<f64>() / emitted.iter().sum::<f64>();
     let watts = |x: [f64; 3]| Some(x.map(|v| v * per_area));

@@ -5,9 +5,10 @@ use crate::error::{Error, Result};
 use crate::layout::NodeLight;
 use crate::progress::{Event, Progress};
 use crate::scene::Geometry;
+use serde::{Deserialize, Serialize};
 
 /// How a solve went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Solved {
     /// Sweeps done.
     pub sweeps: u32,

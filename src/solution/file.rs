@@ -1,15 +1,14 @@
 //! `solution.rcell`: everything a query or a new solve needs, and nothing that differs between two
 //! bakes of one seed (no timings, no adapter, no path).
 
-use super::Solution;
+use super::{Solution, check};
 use crate::error::{Error, Result};
-use crate::layout::{Link, Node, NodeLight, Plane, TWIN};
-use crate::network::nodes::{find_candidates, mark_free};
-use crate::output::rcell::{self, Section};
+use crate::layout::{Node, NodeLight};
+use crate::network::nodes::surface_of;
+use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{Report, Seconds};
 use crate::params::Params;
 use crate::scene::{Face, Geometry, Material, Scene};
-use crate::twin::assign::Surface;
 use crate::twin::jacobi::System;
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
@@ -90,18 +89,17 @@ impl Solution {
     ///
     /// Errors: [`Error::Read`]; [`Error::Format`] where the file is no solution, damaged, or of another version.
     pub fn load(path: &Path) -> Result<Solution> {
-        let file = rcell::read(path)?;
-        let fail = |what: String| Error::Format {
-            path: path.into(),
-            line: None,
-            what,
-            cure: "bake it again with this version of raycell".into(),
-        };
-        let header: Header =
-            serde_json::from_value(file.data.clone()).map_err(|e| fail(format!("the header cannot be read: {e}")))?;
-        if header.content != CONTENT {
-            return Err(fail(format!("the file holds '{}', not a solution", header.content)));
-        }
+        Self::from_container(rcell::read(path)?)
+    }
+
+    /// As [`Solution::load`], from memory; `path` names it in messages.
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Solution> {
+        Self::from_container(rcell::parse(bytes, path)?)
+    }
+
+    fn from_container(file: Container) -> Result<Solution> {
+        let fail = |what: String| file.fail(&what);
+        let header: Header = file.header(CONTENT)?;
         header.params.check().map_err(|e| fail(format!("the parameters cannot be used: {e}")))?;
 
         // The scene, prepared as it was for the bake.
@@ -137,61 +135,18 @@ impl Solution {
             planes: file.get("planes")?,
             node_source: file.get("node_source")?,
         };
-        check(&geometry, &nodes, &light, &cells, &system).map_err(|what| fail(what.into()))?;
-        let mut surface =
-            Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda: header.params.lambda as f32, ..Surface::default() };
-        find_candidates(&geometry, &mut surface);
-        mark_free(&geometry, &mut surface);
+        check::nodes(&geometry, &nodes)
+            .and_then(|()| check::light(&light, nodes.len()))
+            .and_then(|()| check::system(&geometry, &system, nodes.len()))
+            .and_then(|()| check::cells(&cells, system.source.len()))
+            .map_err(|what| file.fail(what))?;
+        let surface = surface_of(&geometry, nodes, header.params.lambda as f32, true);
         Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })
     }
 }
 
 fn prepared(geometry: &Geometry) -> [u32; 3] {
     [geometry.tris.len() as u32, geometry.pieces, geometry.tiles]
-}
-
-/// Checks lengths, indices and numbers, so that no pass can read outside or make a NaN of them.
-fn check(
-    geometry: &Geometry,
-    nodes: &[Node],
-    light: &[NodeLight],
-    cells: &[Feature],
-    system: &System,
-) -> std::result::Result<(), &'static str> {
-    let finite = |numbers: &[f32]| numbers.iter().all(|x| x.is_finite());
-    let materials = geometry.materials.len() as u32;
-    let per_node = [light.len(), system.planes.len(), system.node_source.len()];
-    if per_node != [nodes.len(); 3] || cells.len() > system.source.len() {
-        return Err("sections 'nodes', 'light', 'planes', 'node_source', 'cells' and 'source' do not belong together");
-    }
-    let node =
-        |n: &Node| n.material < materials && n.plane & !TWIN < geometry.pieces && finite(&n.p) && finite(&n.n) && finite(&n.mean);
-    if !nodes.iter().all(node) {
-        return Err("section 'nodes' holds a node that cannot be");
-    }
-    if !light.iter().chain(&system.node_source).all(|l| finite(&l.h) && finite(&l.g0) && finite(&l.g1)) {
-        return Err("section 'light' or 'node_source' holds a number that is not finite");
-    }
-    if !finite(cells.as_flattened()) || !finite(system.source.as_flattened()) {
-        return Err("section 'cells' or 'source' holds a number that is not finite");
-    }
-    let plane = |p: &Plane| p.material < materials && finite(&[p.i11, p.i12, p.i22]);
-    if !system.planes.iter().all(plane) {
-        return Err("section 'planes' holds a fit that cannot be");
-    }
-    let rows = |offsets: &[u32], links: &[Link], rows: usize, others: usize| {
-        offsets.len() == rows + 1
-            && offsets[0] == 0
-            && offsets.is_sorted()
-            && offsets[rows] as usize == links.len()
-            && links.iter().all(|l| (l.other as usize) < others && finite(&[l.value, l.first, l.second]))
-    };
-    if !rows(&system.cell_offsets, &system.cell_links, system.source.len(), nodes.len())
-        || !rows(&system.node_offsets, &system.node_links, nodes.len(), system.source.len())
-    {
-        return Err("the coefficients do not fit the network");
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A solved network: what a bake leaves, and what queries, pictures and files are made from.
 
+pub(crate) mod check;
 mod file;
 mod picture;
 mod vertices;
@@ -14,7 +15,6 @@ use crate::output::report::Report;
 use crate::params::Params;
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
-use crate::radiosity::coefficients::Coefficients;
 use crate::scene::{Geometry, Scene};
 use crate::shade::{Shade, shade};
 use crate::twin::TwinEngine;
@@ -78,10 +78,10 @@ impl Solution {
         surface: Surface,
         light: Vec<NodeLight>,
         cells: Vec<Feature>,
-        coefficients: &Coefficients,
+        system: System,
         report: Report,
     ) -> Solution {
-        Solution { scene, geometry, params, surface, light, cells, system: coefficients.system.clone(), report }
+        Solution { scene, geometry, params, surface, light, cells, system, report }
     }
 
     /// What the bake did.
@@ -118,9 +118,15 @@ impl Solution {
         &self.system
     }
 
-    /// Node spacing, local.
+    /// Whether the bake that it is of was stopped; [`Report::reached`] says how far it came.
+    pub fn is_partial(&self) -> bool {
+        self.report.partial
+    }
+
+    /// Node spacing, local. A partial solution has the nodes of its pilot, or none.
     fn spacing(&self) -> f64 {
-        (self.geometry.area / self.params.node_count(0) as f64).sqrt()
+        let nodes = if self.is_partial() { self.surface.nodes.len().max(1) } else { self.params.node_count(0) };
+        (self.geometry.area / nodes as f64).sqrt()
     }
 
     /// Shades points given as triangle and place, as carefully as `params` say.

@@ -104,6 +104,11 @@ pub fn direct(
 }
 
 impl DirectSum {
+    /// A single round that found `sum`; its square is forgotten.
+    pub fn once(sum: [f32; 3]) -> DirectSum {
+        DirectSum { sum, rounds: 1, ..DirectSum::default() }
+    }
+
     /// The estimate of D so far.
     pub fn mean(&self) -> [f32; 3] {
         self.sum.map(|s| s / self.rounds.max(1) as f32)

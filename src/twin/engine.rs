@@ -81,6 +81,11 @@ impl Engine for TwinEngine<'_> {
         Ok(())
     }
 
+    fn set_direct(&mut self, batch: &mut TwinBatch, sums: &[DirectSum]) -> Result<()> {
+        batch.direct = sums.to_vec();
+        Ok(())
+    }
+
     fn direct_sums(&mut self, batch: &TwinBatch) -> Result<Vec<DirectSum>> {
         Ok(batch.direct.clone())
     }
@@ -145,7 +150,15 @@ impl Engine for TwinEngine<'_> {
         Ok(super::adapt::adapt(cells, sums, offsets, neighbours, eta))
     }
 
-    fn coefficients(&mut self, batches: &[TwinBatch], exact: bool, normalise: f32, rays: f32, cells: usize) -> Result<Sums> {
+    fn coefficients(
+        &mut self,
+        batches: &[TwinBatch],
+        exact: bool,
+        normalise: f32,
+        rays: f32,
+        cells: usize,
+        beat: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<Sums> {
         let mut sums = Sums::default();
         for b in batches {
             let direct = exact.then_some(b.direct.as_slice());
@@ -160,6 +173,7 @@ impl Engine for TwinEngine<'_> {
                 rays,
                 cells,
             ));
+            beat()?;
         }
         Ok(sums)
     }

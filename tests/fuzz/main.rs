@@ -9,6 +9,7 @@ mod gltf;
 mod mtl;
 mod mutate;
 mod obj;
+mod rcell;
 mod toml;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

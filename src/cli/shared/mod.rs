@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod interrupt;
+pub mod kept;
 pub mod machine;
 pub mod network;
 pub mod points;

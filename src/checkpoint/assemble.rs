@@ -1,0 +1,90 @@
+//! A solution from what a bake has found, whole or as far as it came.
+
+use super::{Checkpoint, Network};
+use crate::doctor;
+use crate::error::Result;
+use crate::layout::{Node, NodeLight, Plane};
+use crate::network::nodes::surface_of;
+use crate::output::report::{Report, SceneReport, SolverReport};
+use crate::params::Params;
+use crate::scene::{Geometry, Scene};
+use crate::solution::Solution;
+use crate::twin::jacobi::System;
+
+impl Checkpoint {
+    /// The solution as far as the bake came; its report says how far ([`Report::partial`], [`Report::reached`]).
+    ///
+    /// Until the network is solved the pilot's light is all there is; before that there is none, and points are
+    /// answered with direct light and what one final gather brings. Scene and parameters must be the bake's
+    /// own. Errors: those of [`Scene::check`].
+    pub fn solution(&self, scene: &Scene, params: &Params) -> Result<Solution> {
+        let geometry = Geometry::new(scene)?;
+        Ok(self.assemble(scene, &geometry, params, doctor::warnings(scene, &geometry)))
+    }
+
+    pub(crate) fn assemble(&self, scene: &Scene, geometry: &Geometry, params: &Params, warnings: Vec<String>) -> Solution {
+        let net = &self.network;
+        let mut report = Report {
+            raycell: env!("CARGO_PKG_VERSION").into(),
+            scene: SceneReport {
+                path: scene.name.clone(),
+                triangles: geometry.tris.len() as u64,
+                dropped: (geometry.degenerate.len() + geometry.duplicate.len()) as u64,
+            },
+            seed: params.seed,
+            params: params.clone(),
+            partial: !self.is_whole(),
+            reached: self.reached(),
+            energy: self.energy.clone().unwrap_or_default(),
+            warnings: [warnings, self.pilot.as_ref().map_or(Vec::new(), |p| p.winding.clone())].concat(),
+            ..Report::default()
+        };
+        let (nodes, light, cells, system) = match (net, &self.pilot) {
+            (Network { nodes: Some(nodes), growth: Some(growth), coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
+                report.coefficients = c.stored;
+                report.solver = SolverReport {
+                    method: "jacobi".into(),
+                    sweeps: solved.sweeps as u64,
+                    residual: Some(solved.residual),
+                    error_bound: Some(solved.error_bound),
+                };
+                (nodes.clone(), light.clone(), growth.cells.clone(), c.system.clone())
+            }
+            (_, Some(pilot)) => (pilot.nodes.clone(), pilot.light.clone(), Vec::new(), unread(&pilot.nodes)),
+            _ => (Vec::new(), Vec::new(), Vec::new(), unread(&[])),
+        };
+        report.cells = system.source.len() as u64;
+        report.nodes = nodes.len() as u64;
+        report.rays = net.rays as u64;
+        let surface = surface_of(geometry, nodes, params.lambda as f32, true);
+        Solution::new(scene.clone(), geometry.clone(), params.clone(), surface, light, cells, system, report)
+    }
+
+    /// How far the bake came, in words; none where it is whole.
+    pub fn reached(&self) -> Option<String> {
+        let (net, rays) = (&self.network, self.key.as_ref().map_or(0, |k| k.rays()));
+        let full = |text: String| if self.pilot.is_some() { text } else { "pilot".into() };
+        match net {
+            _ if self.is_whole() => None,
+            Network { solved: Some(_), .. } => Some(full(format!("solve, {} refinements", net.refined))),
+            Network { coefficients: Some(_), .. } => Some(full("coefficients".into())),
+            Network { growth: Some(g), .. } => {
+                Some(full(format!("training, {} cells, {} of {} winners", g.cells.len(), net.winners.len() / 2, rays)))
+            }
+            Network { .. } if net.rays > 0 => Some(full(format!("training, {} of {rays} rays", net.rays))),
+            Network { nodes: Some(_), .. } => Some(full("nodes".into())),
+            _ => Some("pilot".into()),
+        }
+    }
+}
+
+/// The system of nodes that no cell speaks of.
+fn unread(nodes: &[Node]) -> System {
+    System {
+        cell_offsets: vec![0],
+        node_offsets: vec![0; nodes.len() + 1],
+        planes: nodes.iter().map(|n| Plane { material: n.material, ..Plane::default() }).collect(),
+        node_source: vec![NodeLight::default(); nodes.len()],
+        ..System::default()
+    }
+}

@@ -1,0 +1,217 @@
+//! `checkpoint.rcell`: a [`Checkpoint`] in the container of solutions, every number as it lay in memory.
+
+use super::{Checkpoint, Key, Network, Pilot};
+use crate::error::{Error, Result};
+use crate::layout::{DirectSum, NodeLight};
+use crate::network::complex::Complex;
+use crate::network::growth::{Growth, Training};
+use crate::output::rcell::{self, Container, Section};
+use crate::output::report::Energy;
+use crate::radiosity::coefficients::Coefficients;
+use crate::radiosity::solver::Solved;
+use crate::scene::Geometry;
+use crate::solution::check;
+use crate::twin::jacobi::System;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What the header says it holds.
+const CONTENT: &str = "checkpoint";
+
+/// The caller's part of the container's header: what is no array, and which arrays are there.
+#[derive(Serialize, Deserialize)]
+struct Header {
+    content: String,
+    key: Option<Key>,
+    tiles: bool,
+    /// What the pilot's rays met from behind; none until the pilot is done.
+    pilot: Option<Vec<String>>,
+    nodes: bool,
+    rays: u32,
+    growth: Option<GrowthHeader>,
+    /// Slots stored, and the share of mass that was dropped.
+    coefficients: Option<(u64, f64)>,
+    solved: Option<Solved>,
+    refined: u32,
+    energy: Option<Energy>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct GrowthHeader {
+    training: Training,
+    batch: usize,
+    at: usize,
+    lloyd: u32,
+    done: bool,
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint. Errors: [`Error::Write`].
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let (net, none) = (&self.network, System::default());
+        let growth = net.growth.as_ref();
+        let header = Header {
+            content: CONTENT.into(),
+            key: self.key.clone(),
+            tiles: self.tiles.is_some(),
+            pilot: self.pilot.as_ref().map(|p| p.winding.clone()),
+            nodes: net.nodes.is_some(),
+            rays: net.rays,
+            growth: growth.map(|g| GrowthHeader { training: g.training, batch: g.batch, at: g.at, lloyd: g.lloyd, done: g.done }),
+            coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped)),
+            solved: net.solved,
+            refined: net.refined,
+            energy: self.energy.clone(),
+        };
+        let header =
+            serde_json::to_value(&header).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
+        let pilot = self.pilot.as_ref();
+        let system = net.coefficients.as_ref().map_or(&none, |c| &c.system);
+        rcell::write(
+            path,
+            &header,
+            &[
+                Section::new("tiles", self.tiles.as_deref().unwrap_or_default()),
+                Section::new("pilot_nodes", pilot.map_or(&[], |p| &p.nodes)),
+                Section::new("pilot_light", pilot.map_or(&[], |p| &p.light)),
+                Section::new("carried", pilot.map_or(&[], |p| &p.carried)),
+                Section::new("density", pilot.map_or(&[], |p| &p.density)),
+                Section::new("nodes", net.nodes.as_deref().unwrap_or_default()),
+                Section::new("direct", &net.direct),
+                Section::new("cells", growth.map_or(&[], |g| &g.cells)),
+                Section::new("simplices", growth.map_or(&[], |g| g.complex.simplices())),
+                Section::new("winners", &net.winners),
+                Section::new("cell_offsets", &system.cell_offsets),
+                Section::new("cell_links", &system.cell_links),
+                Section::new("source", &system.source),
+                Section::new("node_offsets", &system.node_offsets),
+                Section::new("node_links", &system.node_links),
+                Section::new("planes", &system.planes),
+                Section::new("node_source", &system.node_source),
+                Section::new("mass", net.coefficients.as_ref().map_or(&[], |c| &c.mass)),
+                Section::new("light", &net.light),
+            ],
+        )
+    }
+
+    /// Reads a checkpoint that was saved, or that a bake has [kept](Checkpoint::keep_in). What only the scene can
+    /// tell is checked when a bake goes on from it.
+    ///
+    /// Errors: [`Error::Read`]; [`Error::Format`] where the file is no checkpoint, damaged, or of another version.
+    pub fn load(path: &Path) -> Result<Checkpoint> {
+        Self::from_container(rcell::read(path)?)
+    }
+
+    /// As [`Checkpoint::load`], from memory; `path` names it in messages.
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Checkpoint> {
+        Self::from_container(rcell::parse(bytes, path)?)
+    }
+
+    fn from_container(file: Container) -> Result<Checkpoint> {
+        let header: Header = file.header(CONTENT)?;
+        let growth = match header.growth {
+            None => None,
+            Some(g) => {
+                let cells = file.get("cells")?;
+                let complex = Complex::from_simplices(cells.len(), file.get("simplices")?)
+                    .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?;
+                let GrowthHeader { training, batch, at, lloyd, done } = g;
+                Some(Growth { cells, complex, training, batch, at, lloyd, done })
+            }
+        };
+        let coefficients = match header.coefficients {
+            None => None,
+            Some((stored, dropped)) => {
+                let system = System {
+                    cell_offsets: file.get("cell_offsets")?,
+                    cell_links: file.get("cell_links")?,
+                    source: file.get("source")?,
+                    node_offsets: file.get("node_offsets")?,
+                    node_links: file.get("node_links")?,
+                    planes: file.get("planes")?,
+                    node_source: file.get("node_source")?,
+                };
+                Some(Coefficients { system, mass: file.get("mass")?, stored, dropped })
+            }
+        };
+        let pilot = match header.pilot {
+            None => None,
+            Some(winding) => Some(Pilot {
+                nodes: file.get("pilot_nodes")?,
+                light: file.get("pilot_light")?,
+                carried: file.get("carried")?,
+                density: file.get("density")?,
+                winding,
+            }),
+        };
+        Ok(Checkpoint {
+            key: header.key,
+            tiles: header.tiles.then(|| file.get("tiles")).transpose()?,
+            pilot,
+            network: Network {
+                nodes: header.nodes.then(|| file.get("nodes")).transpose()?,
+                rays: header.rays,
+                direct: file.get("direct")?,
+                growth,
+                winners: file.get("winners")?,
+                coefficients,
+                solved: header.solved,
+                light: file.get("light")?,
+                refined: header.refined,
+            },
+            energy: header.energy,
+            home: None,
+        })
+    }
+
+    /// Checks lengths, indices and numbers against the scene and the number of rays, so that going on cannot
+    /// fail on them. The first thing wrong, in words.
+    pub(crate) fn check(&self, geometry: &Geometry, rays: u32) -> std::result::Result<(), &'static str> {
+        let finite = |x: &[f32]| x.iter().all(|x| x.is_finite());
+        let amounts = |x: &[f64], many: usize| x.len() == many && x.iter().all(|x| x.is_finite() && *x >= 0.0);
+        let tiles = geometry.tiles as usize;
+        let tile = |d: &DirectSum| finite(&d.sum);
+        if !self.tiles.iter().all(|t| t.len() == tiles && t.iter().all(tile)) {
+            return Err("the light of its tiles does not fit the scene");
+        }
+        if let Some(p) = &self.pilot {
+            check::nodes(geometry, &p.nodes)?;
+            check::light(&p.light, p.nodes.len())?;
+            if !amounts(&p.carried, tiles) || !amounts(&p.density, tiles) {
+                return Err("what its pilot carries does not fit the scene");
+            }
+        }
+        let net = &self.network;
+        let nodes = net.nodes.as_deref().unwrap_or_default();
+        check::nodes(geometry, nodes)?;
+        let per_ray = |len: usize| len == 0 || len == 2 * net.rays as usize;
+        if net.rays > rays || !per_ray(net.direct.len()) || net.winners.len() > 2 * net.rays as usize {
+            return Err("its rays do not belong together");
+        }
+        let cells = net.growth.as_ref().map_or(0, |g| g.cells.len());
+        if !finite(net.direct.as_flattened()) || net.winners.iter().any(|&w| w as usize >= cells && w != crate::layout::NONE) {
+            return Err("its rays hold numbers that cannot be");
+        }
+        if let Some(g) = &net.growth {
+            let batches = rays.div_ceil(crate::bake::BATCH) as usize;
+            if !finite(g.cells.as_flattened()) || g.batch >= batches || g.at > 2 * crate::bake::BATCH as usize || cells > 200_000
+            {
+                return Err("its cells hold numbers that cannot be");
+            }
+        }
+        if let Some(c) = &net.coefficients {
+            check::system(geometry, &c.system, nodes.len())?;
+            if cells > c.system.source.len() || !amounts(&c.mass, nodes.len()) {
+                return Err("its coefficients do not fit its network");
+            }
+        }
+        // Each step rests on the ones before it.
+        let steps =
+            [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), net.growth.is_some(), net.nodes.is_some()];
+        if !steps.is_sorted() || (self.energy.is_some() && self.pilot.is_none()) {
+            return Err("a step is there without those before it");
+        }
+        let lit: &[NodeLight] = &net.light;
+        check::light(lit, if net.solved.is_some() { nodes.len() } else { 0 })
+    }
+}
