@@ -160,6 +160,8 @@ mod tests {
             ("px,py,pz,nx,ny,nz\n0,0,0,0,0,0\n", "in.csv:2: the normal has no length"),
             ("px,py,pz,nx,ny,nz\n0,0,0\n", "in.csv:2: 3 cells where the header has 6; fill"),
             ("px,py,pz,nx,ny,nz\n0,0,0,0,1,0\n\n\n0,0,1e999,0,1,0\n", "in.csv:5: '1e999' in column 'pz'"),
+            ("px,py,pz,nx,ny,nz\r\n0,0,0,0,1,0\r\n\r\n0,0,x,0,1,0\r\n", "in.csv:4: 'x' in column 'pz'"),
+            ("\u{feff}px,py,pz,nx,ny,nz,t\n0,0,0,0,1,0,\"a\nb\"\n0,0,0,0,1\n", "in.csv:4: 5 cells"),
             ("px,py,px,pz,nx,ny,nz\n", "in.csv:1: column 'px' is there twice"),
             ("px;py;pz;nx;ny;nz\n0,5;0;0;0;1;0\n", "in.csv:1: the columns are not separated by commas; separate"),
             ("px py pz nx ny nz\n0 0 0 0 1 0\n", "in.csv:1: the columns are not separated by commas"),
