@@ -37,6 +37,7 @@
 //! `cli`, a default feature, is the program; `--no-default-features` builds the library alone.
 
 pub mod bake;
+mod baker;
 pub mod checkpoint;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
@@ -65,6 +66,7 @@ mod stream;
 pub mod twin;
 
 pub use bake::{bake, bake_from};
+pub use baker::{Baked, Baker, LIGHT_TEXTURE_WIDTH, Ready};
 pub use checkpoint::Checkpoint;
 pub use engine::Backend;
 pub use error::{Error, Result};

@@ -4,9 +4,6 @@
 //! Without any adapter the tests pass with a note, unless `RAYCELL_REQUIRE_GPU` is set. Bakes are
 //! shared between the tests; `cargo test --release --test bake -- --nocapture` shows the tables.
 
-#[path = "../examples/embed.rs"]
-mod embed;
-
 use raycell::gpu::{Gpu, device};
 use raycell::output::points;
 use raycell::scene::{Geometry, Material};
@@ -480,32 +477,4 @@ fn form_factors_are_met() {
         let met = |p: &Point| p.kind == kind::FRONT && geometry.source[p.tri as usize] as usize / faces == 1;
         check("rays", &hits.iter().map(|p| met(p) as u32 as f64).collect::<Vec<_>>());
     }
-}
-
-#[test]
-fn a_host_lends_its_device() {
-    if gpu().is_none() {
-        return;
-    }
-    let (device, queue) = embed::device().unwrap();
-    let answers = embed::light(&device, &queue).unwrap();
-    // The Cornell box's light is warm, its wall green, and under the tall box it is dark.
-    for (k, want) in [[0.751, 0.468, 0.144], [0.158, 0.341, 0.0213]].iter().enumerate() {
-        eprintln!("{:?}", answers[k]);
-        for band in 0..3 {
-            let ratio = answers[k].b[band] / want[band];
-            assert!((ratio - 1.0).abs() < 0.05, "{:?} {want:?}", answers[k]);
-        }
-    }
-    assert_eq!((answers[2].status, answers[2].b), (raycell::Status::Covered, [0.0; 3]));
-    assert_eq!(embed::light(&device, &queue).unwrap(), answers);
-    // The device is still the host's.
-    let buffer = device.create_buffer(&raycell::wgpu::BufferDescriptor {
-        label: None,
-        size: 4,
-        usage: raycell::wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    queue.write_buffer(&buffer, 0, &[1, 2, 3, 4]);
-    queue.submit([]);
 }

@@ -70,16 +70,14 @@ fn too_large_a_buffer_is_a_typed_error() {
     let limit = gpu.device.limits().max_storage_buffer_binding_size;
     let e = gpu.alloc::<u64>("huge", limit as usize / 8 + 1).unwrap_err();
     assert!(matches!(e, Error::Limit { limit: "max_storage_buffer_binding_size", .. }), "{e}");
-    let short = gpu.alloc::<u32>("short", 3).unwrap();
-    assert!(matches!(gpu.write(&short, 2, &[1, 2]), Err(Error::Limit { .. })));
 }
 
 #[test]
 fn an_unknown_adapter_is_a_typed_error_that_lists_what_there_is() {
     let e = open(BackendChoice::Auto, Some("no such adapter")).unwrap_err();
-    let Error::NoDevice { why } = &e else { panic!("{e}") };
+    assert!(matches!(e, Error::NoSuchDevice { .. }), "{e}");
     for line in list_adapters(BackendChoice::Auto, None).unwrap() {
-        assert!(why.contains(&line.info.name), "{why}");
+        assert!(e.to_string().contains(&line.info.name), "{e}");
     }
 }
 
@@ -88,7 +86,7 @@ fn a_poor_device_is_refused_and_a_destroyed_one_fails_typed() {
     let Some(gpu) = gpu() else { return };
     gpu.device.destroy();
     let result = gpu.upload("data", &[1u32, 2, 3]).and_then(|v| gpu.read(&v));
-    assert!(matches!(result, Err(Error::Device { .. })), "{result:?}");
+    assert!(matches!(result, Err(Error::DeviceLost { .. })), "{result:?}");
     // A new device works as before.
     let open = open(BackendChoice::Auto, None).unwrap();
     let limits = open.device.limits();

@@ -1,6 +1,7 @@
 //! Typed buffers on the device.
 
 use super::Gpu;
+use super::work::Work;
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use std::marker::PhantomData;
@@ -57,8 +58,14 @@ impl<T> GpuVec<T> {
 }
 
 impl<T: Pod> GpuVec<T> {
-    /// See [`Gpu::alloc`].
-    pub(super) fn allocate(device: &wgpu::Device, total: &Arc<AtomicU64>, label: &'static str, len: usize) -> Result<GpuVec<T>> {
+    /// See [`Gpu::alloc`] and, where there is `data`, [`Gpu::upload`].
+    pub(super) fn allocate(
+        device: &wgpu::Device,
+        total: &Arc<AtomicU64>,
+        label: &'static str,
+        len: usize,
+        data: Option<&[T]>,
+    ) -> Result<GpuVec<T>> {
         let too_large = |limit, need, have| Error::Limit {
             what: format!("buffer '{label}' of {len} elements"),
             limit,
@@ -79,12 +86,16 @@ impl<T: Pod> GpuVec<T> {
             device,
             || format!("allocating {need} bytes for '{label}'"),
             || {
-                device.create_buffer(&wgpu::BufferDescriptor {
+                let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(&name),
                     size: need.next_multiple_of(4).max(MIN_BYTES).max(size_of::<T>() as u64),
                     usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                })
+                    mapped_at_creation: data.is_some(),
+                });
+                if let Some(data) = data {
+                    fill(&buffer, bytemuck::cast_slice(data));
+                }
+                buffer
             },
         )?;
         total.fetch_add(buffer.size(), Ordering::Relaxed);
@@ -104,63 +115,33 @@ impl Gpu {
     ///
     /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::OutOfMemory`] where memory is short.
     pub fn alloc<T: Pod>(&self, label: &'static str, len: usize) -> Result<GpuVec<T>> {
-        GpuVec::allocate(&self.device, &self.bytes, label, len)
+        let vec = GpuVec::allocate(&self.device, &self.bytes, label, len, None)?;
+        // wgpu would clear it within the first submission that uses it; a host's frames take it in parts.
+        if self.in_frames() {
+            self.clear(&vec)?;
+        }
+        Ok(vec)
     }
 
     /// A vector with the contents of a slice. Errors: those of [`Gpu::alloc`].
     pub fn upload<T: Pod>(&self, label: &'static str, data: &[T]) -> Result<GpuVec<T>> {
-        let vec = self.alloc(label, data.len())?;
-        self.write(&vec, 0, data)?;
-        Ok(vec)
-    }
-
-    /// Overwrites elements from `start`.
-    ///
-    /// Errors: [`Error::Limit`] where the slice does not fit, [`Error::Device`].
-    pub fn write<T: Pod>(&self, vec: &GpuVec<T>, start: usize, data: &[T]) -> Result<()> {
-        if start + data.len() > vec.len {
-            return Err(Error::Limit {
-                what: format!("a write to buffer '{}'", vec.label),
-                limit: "length",
-                need: (start + data.len()) as u64,
-                have: vec.len as u64,
-                cure: "this is a mistake in raycell: please report it",
-            });
-        }
-        if data.is_empty() {
-            return Ok(());
-        }
-        self.scoped(
-            || format!("uploading '{}'", vec.label),
-            || self.queue.write_buffer(&vec.buffer, (start * size_of::<T>()) as u64, bytemuck::cast_slice(data)),
-        )
+        GpuVec::allocate(&self.device, &self.bytes, label, data.len(), Some(data))
     }
 
     /// Fills a vector with zero bits.
     pub fn clear<T: Pod>(&self, vec: &GpuVec<T>) -> Result<()> {
-        self.scoped(
+        self.hand(
             || format!("clearing '{}'", vec.label),
-            || {
-                let mut encoder = self.device.create_command_encoder(&Default::default());
-                encoder.clear_buffer(&vec.buffer, 0, None);
-                self.queue.submit([encoder.finish()]);
-            },
+            Work::Clear { buffer: vec.buffer.clone(), start: 0, bytes: vec.buffer.size() },
         )
     }
+}
 
-    /// Copies `len` elements between vectors. Errors: [`Error::Device`] where a range does not fit.
-    pub fn copy<T: Pod>(&self, from: &GpuVec<T>, start: usize, to: &GpuVec<T>, at: usize, len: usize) -> Result<()> {
-        if len == 0 {
-            return Ok(());
-        }
-        let bytes = |n: usize| (n * size_of::<T>()) as u64;
-        self.scoped(
-            || format!("copying '{}' to '{}'", from.label, to.label),
-            || {
-                let mut encoder = self.device.create_command_encoder(&Default::default());
-                encoder.copy_buffer_to_buffer(&from.buffer, bytes(start), &to.buffer, bytes(at), Some(bytes(len)));
-                self.queue.submit([encoder.finish()]);
-            },
-        )
+/// Writes the contents of a buffer that was made mapped, and unmaps it. Where making it has failed, the
+/// error scope around tells.
+pub(super) fn fill(buffer: &wgpu::Buffer, bytes: &[u8]) {
+    if let Ok(mut view) = buffer.get_mapped_range_mut(..) {
+        view.slice(..bytes.len()).copy_from_slice(bytes);
     }
+    buffer.unmap();
 }

@@ -3,9 +3,11 @@
 //! Every kernel's `Params` starts with `base` and `count`: invocation `i < count` of a dispatch works on
 //! item `base + i`. The host writes both; the rest of `Params` belongs to the pass.
 
-use super::{Gpu, Kernel, Pipeline, kernel::WORKGROUP};
+use super::work::{Route, Work};
+use super::{Gpu, GpuVec, Kernel, Pipeline, kernel::WORKGROUP};
 use crate::error::{Error, Result};
 use bytemuck::Pod;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -17,30 +19,113 @@ pub const HEAVY: u32 = 1 << 18;
 /// Items in a dispatch of a kernel whose invocations do a few dozen operations.
 pub const LIGHT: u32 = 1 << 20;
 
+/// Bytes that stand in for any kernel's parameters, or an element of any of its buffers.
+const STAND_IN: usize = 256;
+
 /// A kernel bound to its buffers and cut into dispatches; it can be run again and again.
 #[derive(Debug)]
 pub struct Job {
-    name: &'static str,
+    pub(super) name: &'static str,
+    pub(super) items: u32,
+    /// Most items in a dispatch.
+    pub(super) chunk: u32,
+    /// Work of an item, where 1 is all that a pass allows a dispatch.
+    pub(super) share: f64,
     pipeline: Arc<Pipeline>,
+    buffers: Vec<wgpu::Buffer>,
+    /// The parameters; `base` and `count` are not yet right.
+    params: Vec<u8>,
+    /// A slot for each dispatch of the whole job, and an empty one.
+    whole: Slots,
+}
+
+/// Parameters of several dispatches in one uniform buffer, bound with a job's buffers.
+#[derive(Debug)]
+pub(super) struct Slots {
     bind_group: wgpu::BindGroup,
-    /// Offset of the parameters and number of workgroups, a dispatch each.
-    steps: Vec<(u32, u32)>,
+    stride: u32,
+}
+
+impl Slots {
+    /// Lays out the parameters of a dispatch for each range of items. The buffer is written without the queue.
+    fn new(
+        device: &wgpu::Device,
+        label: &str,
+        pipeline: &Pipeline,
+        buffers: &[wgpu::Buffer],
+        params: &[u8],
+        ranges: &[Range<u32>],
+    ) -> Slots {
+        let size = params.len().next_multiple_of(16);
+        let stride = size.next_multiple_of(device.limits().min_uniform_buffer_offset_alignment as usize);
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: (stride * ranges.len()) as u64,
+            usage: wgpu::BufferUsages::UNIFORM,
+            mapped_at_creation: true,
+        });
+        let mut bytes = vec![0u8; stride * ranges.len()];
+        for (slot, range) in bytes.chunks_exact_mut(stride).zip(ranges) {
+            slot[..params.len()].copy_from_slice(params);
+            slot[..8].copy_from_slice(bytemuck::bytes_of(&[range.start, range.len() as u32]));
+        }
+        super::buffer::fill(&uniform, &bytes);
+        let head = wgpu::BufferBinding { buffer: &uniform, offset: 0, size: wgpu::BufferSize::new(size as u64) };
+        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(head) }];
+        entries.extend(
+            buffers
+                .iter()
+                .enumerate()
+                .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.as_entire_binding() }),
+        );
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout: &pipeline.layout,
+            entries: &entries,
+        });
+        Slots { bind_group, stride: stride as u32 }
+    }
 }
 
 impl Job {
+    /// The dispatches of the whole job.
+    fn ranges(items: u32, chunk: u32) -> Vec<Range<u32>> {
+        (0..items.div_ceil(chunk)).map(|step| step * chunk..items.min((step + 1).saturating_mul(chunk))).collect()
+    }
+
+    fn encode_slot(&self, slots: &Slots, slot: usize, items: u32, pass: &mut wgpu::ComputePass) {
+        pass.set_pipeline(&self.pipeline.pipeline);
+        pass.set_bind_group(0, &slots.bind_group, &[slot as u32 * slots.stride]);
+        pass.dispatch_workgroups(items.div_ceil(WORKGROUP), 1, 1);
+    }
+
     /// Records dispatch `step` of the job.
     fn encode_step(&self, step: usize, pass: &mut wgpu::ComputePass) {
-        let (offset, groups) = self.steps[step];
-        pass.set_pipeline(&self.pipeline.pipeline);
-        pass.set_bind_group(0, &self.bind_group, &[offset]);
-        pass.dispatch_workgroups(groups, 1, 1);
+        let start = step as u32 * self.chunk;
+        self.encode_slot(&self.whole, step, self.chunk.min(self.items - start), pass);
     }
 
     /// Records the whole job into a pass. Errors show when the pass is submitted.
     pub fn encode(&self, pass: &mut wgpu::ComputePass) {
-        for step in 0..self.steps.len() {
+        for step in 0..self.items.div_ceil(self.chunk) as usize {
             self.encode_step(step, pass);
         }
+    }
+
+    /// Records a dispatch of no items.
+    pub(super) fn encode_empty(&self, pass: &mut wgpu::ComputePass) {
+        // One workgroup that finds nothing to do.
+        self.encode_slot(&self.whole, self.items.div_ceil(self.chunk) as usize, 1, pass);
+    }
+
+    /// Records one dispatch of some of the items, at most [`Job::chunk`].
+    pub(super) fn encode_part(&self, device: &wgpu::Device, part: Range<u32>, pass: &mut wgpu::ComputePass) {
+        if part.start.is_multiple_of(self.chunk) && (part.len() as u32 == self.chunk || part.end == self.items) {
+            return self.encode_step((part.start / self.chunk) as usize, pass);
+        }
+        let items = part.len() as u32;
+        let slots = Slots::new(device, self.name, &self.pipeline, &self.buffers, &self.params, &[part]);
+        self.encode_slot(&slots, 0, items, pass);
     }
 }
 
@@ -56,7 +141,7 @@ impl Gpu {
         buffers: &[&wgpu::Buffer],
         items: usize,
         chunk: u32,
-    ) -> Result<Job> {
+    ) -> Result<Arc<Job>> {
         assert_eq!(buffers.len(), kernel.buffers.len(), "{}: buffers", kernel.name);
         let items = u32::try_from(items).map_err(|_| Error::Limit {
             what: format!("kernel {}", kernel.name),
@@ -65,74 +150,62 @@ impl Gpu {
             have: u32::MAX.into(),
             cure: "use fewer rays or points",
         })?;
-        let pipeline = self.pipeline(kernel)?;
-        let chunk = chunk.clamp(WORKGROUP, MAX_CHUNK);
-
-        // Lay the parameters of all dispatches out in one uniform buffer.
-        let size = size_of::<P>().next_multiple_of(16);
-        let stride = (self.device.limits().min_uniform_buffer_offset_alignment as usize).max(size.next_multiple_of(16));
-        let stride = stride.next_multiple_of(self.device.limits().min_uniform_buffer_offset_alignment as usize);
-        let count = items.div_ceil(chunk) as usize;
-        // One more slot stays empty: a dispatch of no items, for the driver's compiler.
-        let mut bytes = vec![0u8; stride * (count + 1)];
-        let mut steps = Vec::with_capacity(count);
-        for step in 0..count {
-            let base = step as u32 * chunk;
-            let here = chunk.min(items - base);
-            let slot = &mut bytes[step * stride..][..size];
-            slot[..size_of::<P>()].copy_from_slice(bytemuck::bytes_of(params));
-            slot[..8].copy_from_slice(bytemuck::bytes_of(&[base, here]));
-            steps.push(((step * stride) as u32, here.div_ceil(WORKGROUP)));
-        }
-
-        let label = format!("raycell.{}", kernel.name);
-        let bind_group = self.scoped(
-            || format!("binding {}", kernel.name),
-            || {
-                let uniform = self.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(&label),
-                    size: bytes.len() as u64,
-                    usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: false,
-                });
-                self.queue.write_buffer(&uniform, 0, &bytes);
-                let head = wgpu::BufferBinding { buffer: &uniform, offset: 0, size: wgpu::BufferSize::new(size as u64) };
-                let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(head) }];
-                entries.extend(
-                    buffers
-                        .iter()
-                        .enumerate()
-                        .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.as_entire_binding() }),
-                );
-                self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some(&label),
-                    layout: &pipeline.layout,
-                    entries: &entries,
-                })
-            },
-        )?;
-        let job = Job { name: kernel.name, pipeline, bind_group, steps };
+        let params = bytemuck::bytes_of(params).to_vec();
+        let buffers = buffers.iter().map(|&b| b.clone()).collect();
+        let job = self.bind(kernel, params, buffers, items, chunk)?;
         if job.pipeline.warm.get().is_none() {
-            self.warm_up(&job, (stride * count) as u32)?;
+            self.warm_up(vec![job.clone()])?;
         }
         Ok(job)
     }
 
-    /// Dispatches a kernel for no items and waits, so that its compiling is timed apart from its work.
-    fn warm_up(&self, job: &Job, empty: u32) -> Result<()> {
+    fn bind(&self, kernel: &Kernel, params: Vec<u8>, buffers: Vec<wgpu::Buffer>, items: u32, chunk: u32) -> Result<Arc<Job>> {
+        let pipeline = self.pipeline(kernel)?;
+        let share = 1.0 / f64::from(chunk.max(1));
+        let chunk = (chunk - chunk % WORKGROUP).clamp(WORKGROUP, MAX_CHUNK);
+        // One more slot stays empty: a dispatch of no items, for the driver's compiler.
+        let mut ranges = Job::ranges(items, chunk);
+        ranges.push(0..0);
+        let label = format!("raycell.{}", kernel.name);
+        let whole = self.scoped(
+            || format!("binding {}", kernel.name),
+            || Slots::new(&self.device, &label, &pipeline, &buffers, &params, &ranges),
+        )?;
+        Ok(Arc::new(Job { name: kernel.name, items, chunk, share, pipeline, buffers, params, whole }))
+    }
+
+    /// Compiles kernels, and has the driver compile them too, before there is work for them: on drivers
+    /// that compile in the first submission this keeps later ones short.
+    pub(crate) fn warm_up_all(&self, kernels: &[&Kernel]) -> Result<()> {
+        let slots = kernels.iter().map(|k| k.buffers.len()).max().unwrap_or(0);
+        let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> = (0..slots).map(|_| self.alloc("stand-in", 1)).collect::<Result<_>>()?;
+        let jobs = kernels.iter().map(|kernel| {
+            let buffers = stand_ins.iter().take(kernel.buffers.len()).map(|b| b.buffer().clone()).collect();
+            self.bind(kernel, vec![0; STAND_IN], buffers, 0, WORKGROUP)
+        });
+        let jobs = jobs.collect::<Result<Vec<_>>>()?;
+        self.warm_up(jobs)
+    }
+
+    /// Dispatches kernels for no items and waits, so that compiling is timed apart from work.
+    fn warm_up(&self, jobs: Vec<Arc<Job>>) -> Result<()> {
         self.wait()?;
         let start = Instant::now();
-        let empty =
-            Job { name: job.name, pipeline: job.pipeline.clone(), bind_group: job.bind_group.clone(), steps: vec![(empty, 1)] };
-        self.run_job(&empty)?;
+        self.hand(|| jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", "), Work::Warm { jobs: jobs.clone() })?;
         self.wait()?;
-        job.pipeline.warm.get_or_init(|| start.elapsed().as_secs_f64());
+        for job in &jobs {
+            job.pipeline.warm.get_or_init(|| start.elapsed().as_secs_f64() / jobs.len() as f64);
+        }
         Ok(())
     }
 
     /// Runs a job, one submission a dispatch, so that no submission is long. Does not wait.
-    pub fn run_job(&self, job: &Job) -> Result<()> {
-        for step in 0..job.steps.len() {
+    pub fn run_job(&self, job: &Arc<Job>) -> Result<()> {
+        let queue = match &self.route {
+            Route::Queue(queue) => queue,
+            Route::Host(frames) => return frames.push(Work::Dispatch { job: job.clone(), first: 0 }),
+        };
+        for step in 0..job.items.div_ceil(job.chunk) as usize {
             self.scoped(
                 || job.name.to_string(),
                 || {
@@ -140,7 +213,7 @@ impl Gpu {
                     let mut pass = encoder.begin_compute_pass(&Default::default());
                     job.encode_step(step, &mut pass);
                     drop(pass);
-                    self.queue.submit([encoder.finish()]);
+                    queue.submit([encoder.finish()]);
                 },
             )?;
         }
@@ -148,7 +221,14 @@ impl Gpu {
     }
 
     /// Runs short jobs one after the other, `times` over, in one submission. Does not wait.
-    pub fn run_jobs(&self, jobs: &[&Job], times: usize) -> Result<()> {
+    pub fn run_jobs(&self, jobs: &[&Arc<Job>], times: usize) -> Result<()> {
+        let queue = match &self.route {
+            Route::Queue(queue) => queue,
+            Route::Host(frames) => {
+                let all = (0..times).flat_map(|_| jobs);
+                return all.into_iter().try_for_each(|&job| frames.push(Work::Dispatch { job: job.clone(), first: 0 }));
+            }
+        };
         self.scoped(
             || jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", "),
             || {
@@ -158,7 +238,7 @@ impl Gpu {
                     jobs.iter().for_each(|job| job.encode(&mut pass));
                 }
                 drop(pass);
-                self.queue.submit([encoder.finish()]);
+                queue.submit([encoder.finish()]);
             },
         )
     }

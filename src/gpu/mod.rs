@@ -9,14 +9,17 @@ pub mod device;
 #[doc(hidden)]
 pub mod dispatch;
 mod failure;
+pub(crate) mod frames;
 #[doc(hidden)]
 pub mod kernel;
+mod publish;
 #[doc(hidden)]
 pub mod readback;
 #[doc(hidden)]
 pub mod sentinel;
 #[doc(hidden)]
 pub mod wgsl;
+mod work;
 
 #[doc(hidden)]
 pub use buffer::GpuVec;
@@ -27,17 +30,19 @@ pub use failure::Watch;
 pub use kernel::{Access, Kernel, Pipeline};
 
 use crate::error::{Error, Result};
+use bytemuck::Pod;
+use frames::Frames;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
+use work::Route;
 
 /// A device, its queue, and the kernels compiled for it.
 #[derive(Debug)]
 pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
-    /// The host's queue.
-    pub queue: wgpu::Queue,
+    route: Route,
     kernels: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
@@ -77,6 +82,21 @@ impl Gpu {
     /// Errors: [`Error::Limit`] where the device was made with less than [`Gpu::required_limits`],
     /// [`Error::Unfinished`] where the driver does not do what the kernels rely on, [`Error::Device`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Gpu> {
+        let gpu = Self::routed(device, Route::Queue(queue.clone()))?;
+        sentinel::check(&gpu)?;
+        Ok(gpu)
+    }
+
+    /// As [`Gpu::new`], for work that waits for the host's frames; the first of them compiles `kernels`.
+    pub(crate) fn hosted(device: &wgpu::Device, frames: Arc<Frames>, kernels: &[&Kernel]) -> Result<Gpu> {
+        let gpu = Self::routed(device, Route::Host(frames))?;
+        gpu.warm_up_all(kernels)?;
+        sentinel::check(&gpu)?;
+        Ok(gpu)
+    }
+
+    /// Refuses a device that was made with less than the kernels need.
+    pub(crate) fn check_limits(device: &wgpu::Device) -> Result<()> {
         let mut lacking = None;
         Self::required_limits().check_limits_with_fail_fn(&device.limits(), true, |limit, need, have| {
             lacking = Some(Error::Limit {
@@ -87,15 +107,15 @@ impl Gpu {
                 cure: "make the device with Gpu::required_limits()",
             });
         });
-        if let Some(error) = lacking {
-            return Err(error);
-        }
-        let (device, queue) = (device.clone(), queue.clone());
+        lacking.map_or(Ok(()), Err)
+    }
+
+    fn routed(device: &wgpu::Device, route: Route) -> Result<Gpu> {
+        Self::check_limits(device)?;
+        let device = device.clone();
         let bytes = Arc::default();
-        let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len())?;
-        let gpu = Gpu { device, queue, kernels: Mutex::default(), status, bytes };
-        sentinel::check(&gpu)?;
-        Ok(gpu)
+        let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len(), None)?;
+        Ok(Gpu { device, route, kernels: Mutex::default(), status, bytes })
     }
 
     /// The buffer of finished flags, to bind as `status`.
@@ -115,7 +135,19 @@ impl Gpu {
     /// Errors: [`Error::Unfinished`] naming the kernel, [`Error::Device`].
     #[doc(hidden)]
     pub fn check_finished(&self) -> Result<()> {
-        let raised = self.read(&self.status)?;
+        self.judge(&self.read(&self.status)?)
+    }
+
+    /// [`Gpu::read_range`] of what kernels have finished: waits once for both.
+    #[doc(hidden)]
+    pub fn read_finished<T: Pod>(&self, vec: &GpuVec<T>, start: usize, len: usize) -> Result<Vec<T>> {
+        let status = self.begin_read(&self.status, 0, self.status.len())?;
+        let wanted = self.begin_read(vec, start, len)?;
+        self.judge(&self.end_read(status)?)?;
+        self.end_read(wanted)
+    }
+
+    fn judge(&self, raised: &[u32]) -> Result<()> {
         match raised.iter().position(|&flag| flag != 0) {
             None => Ok(()),
             Some(k) => {

@@ -217,6 +217,7 @@ mod tests {
         Mesh {
             vertices: (0..7).map(vertex).collect(),
             faces: vec![[0, 1, 2], [4, 5, 6], [2, 1, 3], [6, 5, 3]],
+            sources: vec![0, 1, 2, 3],
             part: vec![0, 2, 0, 3],
             parts: vec![part("floor \"1\"", "grey"), part("gone", "grey"), part("lamp", "grey"), part("lamp", "glow")],
         }

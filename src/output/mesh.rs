@@ -7,6 +7,8 @@ pub struct Mesh {
     pub vertices: Vec<Vertex>,
     /// Triangles: indices into [`Mesh::vertices`], counter-clockwise seen from the lit side.
     pub faces: Vec<[u32; 3]>,
+    /// Index into [`crate::Scene::faces`] of each triangle, ascending.
+    pub sources: Vec<u32>,
     /// For each triangle, the part it belongs to: an index into [`Mesh::parts`].
     pub part: Vec<u32>,
     /// Parts: every pair of object and material that has triangles.

@@ -17,7 +17,7 @@ params!(
     }
 );
 
-const KERNEL: Kernel =
+pub(super) const KERNEL: Kernel =
     Kernel { name: "accumulate", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write] };
 
 /// Sums features, squared distances and counts by winner, over the directed rays of a range.

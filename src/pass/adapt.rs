@@ -16,7 +16,7 @@ params!(
     }
 );
 
-const KERNEL: Kernel =
+pub(super) const KERNEL: Kernel =
     Kernel { name: "adapt", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
 
 /// The cells' next places; their neighbours come in CSR form.

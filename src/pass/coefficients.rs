@@ -55,7 +55,7 @@ pub struct FluxParams {
     pub normalise: f32,
 }
 
-const KERNEL: Kernel = Kernel {
+pub(super) const KERNEL: Kernel = Kernel {
     name: "coefficients",
     buffers: &[
         Access::Read,
@@ -68,7 +68,7 @@ const KERNEL: Kernel = Kernel {
         Access::Write,
     ],
 };
-const FLUX: Kernel =
+pub(super) const FLUX: Kernel =
     Kernel { name: "flux", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write] };
 
 /// A batch of rays and what is known of them.

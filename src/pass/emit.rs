@@ -55,11 +55,11 @@ pub struct ProbeParams {
     pub pad2: u32,
 }
 
-const KERNEL: Kernel = Kernel {
+pub(super) const KERNEL: Kernel = Kernel {
     name: "emit",
     buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write],
 };
-const PROBE: Kernel =
+pub(super) const PROBE: Kernel =
     Kernel { name: "probe", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.

@@ -99,8 +99,7 @@ impl<'a> GpuEngine<'a> {
 
     /// Reads back what kernels have finished.
     fn fetch<T: Pod>(&self, vec: &GpuVec<T>) -> Result<Vec<T>> {
-        self.gpu.check_finished()?;
-        self.gpu.read(vec)
+        self.gpu.read_finished(vec, 0, vec.len())
     }
 }
 
@@ -179,8 +178,7 @@ impl Engine for GpuEngine<'_> {
     }
 
     fn features(&mut self, batch: &GpuBatch, range: Range<usize>) -> Result<Vec<Feature>> {
-        self.gpu.check_finished()?;
-        self.gpu.read_range(&batch.features, range.start, range.len())
+        self.gpu.read_finished(&batch.features, range.start, range.len())
     }
 
     fn winner(&mut self, batch: &mut GpuBatch, range: Range<usize>, cells: &[Feature]) -> Result<()> {

@@ -21,11 +21,11 @@ params!(
     }
 );
 
-const BETA: Kernel = Kernel {
+pub(super) const BETA: Kernel = Kernel {
     name: "beta",
     buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 };
-const UPDATE: Kernel = Kernel {
+pub(super) const UPDATE: Kernel = Kernel {
     name: "update",
     buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 };

@@ -15,7 +15,7 @@ params!(
     }
 );
 
-const KERNEL: Kernel =
+pub(super) const KERNEL: Kernel =
     Kernel { name: "kernel", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
 
 /// G(x, y) V(x, y) of consecutive pairs of surface points, per local area.

@@ -22,11 +22,32 @@ pub mod winner;
 pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Gpu, GpuVec};
+use crate::gpu::{Gpu, GpuVec, Kernel, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
 use crate::scene::Geometry;
 use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
+
+/// The kernels that bakes and read-outs use, with the sentinel that comes first.
+pub(crate) const KERNELS: &[&Kernel] = &[
+    &sentinel::KERNEL,
+    &accumulate::KERNEL,
+    &adapt::KERNEL,
+    &assign::KERNEL,
+    &coefficients::KERNEL,
+    &coefficients::FLUX,
+    &deposit::KERNEL,
+    &direct::KERNEL,
+    &emit::KERNEL,
+    &emit::PROBE,
+    &feature::KERNEL,
+    &gather::KERNEL,
+    &jacobi::BETA,
+    &jacobi::UPDATE,
+    &readout::KERNEL,
+    &shoot::KERNEL,
+    &winner::KERNEL,
+];
 
 /// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.
 macro_rules! params {

@@ -15,7 +15,7 @@ params!(
     }
 );
 
-const KERNEL: Kernel =
+pub(super) const KERNEL: Kernel =
     Kernel { name: "readout", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write] };
 
 /// Irradiance at many points, scaled W/m²; the fourth number is unused.

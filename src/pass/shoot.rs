@@ -23,7 +23,7 @@ params!(
     }
 );
 
-const KERNEL: Kernel =
+pub(super) const KERNEL: Kernel =
     Kernel { name: "shoot", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
 
 /// Rays `first..first + rays` of each point's own sequence, `rays` consecutive hits a point.

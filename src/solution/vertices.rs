@@ -37,7 +37,7 @@ impl Solution {
 
     /// As [`Solution::vertices`], telling its progress.
     pub fn vertices_with(&self, backend: &Backend, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Mesh> {
-        let (corners, faces, part, parts) = self.corners();
+        let (corners, mesh) = self.corners();
         let points: Vec<Point> = corners
             .iter()
             .map(|c| {
@@ -63,11 +63,11 @@ impl Solution {
                 Ok(Vertex { p, n: c.normal.to_array(), b: answer.b.map(|b| b as f32) })
             })
             .collect::<Result<_>>()?;
-        Ok(Mesh { vertices, faces, part, parts })
+        Ok(Mesh { vertices, ..mesh })
     }
 
-    /// The output vertices and the faces between them, in the order of the scene's faces; and each face's part.
-    fn corners(&self) -> (Vec<Corner>, Vec<[u32; 3]>, Vec<u32>, Vec<Part>) {
+    /// Where the vertices' light is taken, and the mesh without its vertices, in the order of the scene's faces.
+    fn corners(&self) -> (Vec<Corner>, Mesh) {
         let geometry = &self.geometry;
         let mut order: Vec<u32> = (0..geometry.tris.len() as u32).collect();
         order.sort_unstable_by_key(|&t| geometry.source[t as usize]);
@@ -76,8 +76,8 @@ impl Solution {
         let (mut part, mut parts) = (Vec::new(), Vec::new());
         let mut part_of: HashMap<(u32, u32), u32> = HashMap::new();
         let faces = order
-            .into_iter()
-            .map(|tri| {
+            .iter()
+            .map(|&tri| {
                 let t = &geometry.tris[tri as usize];
                 let normal = Vec3::from(t.normal);
                 let face = &self.scene.faces[geometry.source[tri as usize] as usize];
@@ -102,7 +102,8 @@ impl Solution {
                 })
             })
             .collect();
-        (corners, faces, part, parts)
+        let sources = order.iter().map(|&t| geometry.source[t as usize]).collect();
+        (corners, Mesh { vertices: Vec::new(), faces, sources, part, parts })
     }
 }
 

@@ -1,0 +1,348 @@
+//! Work that waits for a host's frames: recorded slice by slice, each as long as the host allows.
+//!
+//! A bake runs on a thread of its own and hands its work in; the host records a slice a frame, and
+//! submits it. How much fits into a slice is learnt from how long earlier slices took: by timestamps
+//! where the host's device has them, else from when the host hears that a slice is done.
+
+use super::Job;
+use super::work::Work;
+use crate::error::{Error, Result};
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
+use std::time::{Duration, Instant};
+
+/// Part of what a pass allows a dispatch that goes into a kernel's first slice, which is measured.
+const PROBE: f64 = 1.0 / 2048.0;
+/// Bytes copied or cleared a second, as planned: slow enough for any bus.
+const COPY_RATE: f64 = 2e9;
+/// Seconds of a dispatch apart from its items.
+const DISPATCH: f64 = 50e-6;
+/// Part of a slice that the first items of a job may take.
+const FIRST: f64 = 1.0 / 3.0;
+/// How much a measurement may quicken a kernel's pace. Work of one kernel differs: what follows may be
+/// slower again, and that is heeded at once.
+const FASTER: f64 = 1.15;
+/// How much a measurement of several kernels together may slow each.
+const SLOWER: f64 = 3.0;
+/// Part of the time until the host hears of a slice that is taken for the device's, whatever the host's delay.
+const SURE: f64 = 0.1;
+/// Bytes that are not divided further.
+const PIECE: u64 = 1 << 18;
+/// How much a slice may outgrow the longest of its kernel so far: a first measurement may be far off.
+const GROWTH: f64 = 2.0;
+/// Part of the budget that is planned: estimates err.
+const PLANNED: f64 = 0.75;
+
+/// Work between a bake and its host.
+#[derive(Debug, Default)]
+pub(crate) struct Frames {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    works: VecDeque<Work>,
+    /// The host is gone: nothing will be submitted any more.
+    closed: bool,
+    /// What is known of each kernel.
+    paces: HashMap<&'static str, Pace>,
+    /// Slices recorded and not known to be done.
+    in_flight: usize,
+    /// Seconds until the host hears of a frame without a slice.
+    delay: f64,
+}
+
+/// How long a kernel takes.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// Seconds of all that its pass allows a dispatch.
+    seconds: f64,
+    /// The slowest of the job before: where a job begins, it may be as slow again.
+    slowest: f64,
+    /// Largest part of what its pass allows a dispatch in a slice so far.
+    tried: f64,
+}
+
+/// A slice on its way: which kernels it holds and what they were expected to take.
+struct Slice {
+    /// Kernels, and how much of what their pass allows a dispatch.
+    kernels: Vec<(&'static str, f64)>,
+    /// Dispatches.
+    dispatches: f64,
+    /// Seconds; NaN where its one kernel was never measured.
+    planned: f64,
+}
+
+/// A device that tells the time of its passes.
+#[derive(Debug)]
+pub(crate) struct Timer {
+    /// Nanoseconds a tick.
+    period: f64,
+}
+
+impl Timer {
+    /// A timer, where the host's device has timestamps.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Timer> {
+        device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Timer { period: queue.get_timestamp_period().into() })
+    }
+}
+
+impl Frames {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    /// Hands work in. Errors: [`Error::Cancelled`] where the host is gone.
+    pub fn push(&self, work: Work) -> Result<()> {
+        let mut state = self.state();
+        if state.closed {
+            return Err(Error::Cancelled);
+        }
+        state.works.push_back(work);
+        Ok(())
+    }
+
+    /// Sleeps until a callback has sent. Errors: [`Error::Cancelled`] where the host is gone.
+    pub fn wait_for<T>(&self, arrived: &mpsc::Receiver<T>) -> Result<T> {
+        let mut state = self.state();
+        loop {
+            if let Ok(value) = arrived.try_recv() {
+                return Ok(value);
+            }
+            if state.closed {
+                return Err(Error::Cancelled);
+            }
+            state = self.changed.wait(state).unwrap_or_else(|e| e.into_inner());
+        }
+    }
+
+    /// Makes the bake look again.
+    pub fn wake(&self) {
+        // With the lock, so that no one is between looking and sleeping.
+        let _state = self.state();
+        self.changed.notify_all();
+    }
+
+    /// The host is gone: all that waits ends, now and later.
+    pub fn close(&self) {
+        let mut state = self.state();
+        state.closed = true;
+        let left = std::mem::take(&mut state.works);
+        self.changed.notify_all();
+        drop(state);
+        drop(left);
+    }
+
+    /// Whether [`Frames::record`] would record something.
+    pub fn ready(&self) -> bool {
+        let state = self.state();
+        !state.works.is_empty() && state.in_flight == 0
+    }
+
+    /// Whether all work has been recorded.
+    pub fn empty(&self) -> bool {
+        self.state().works.is_empty()
+    }
+
+    /// Records the next slice: copies, then dispatches that take `budget` on the device, then copies
+    /// and mappings. Says whether anything was recorded.
+    pub fn record(
+        self: &Arc<Self>,
+        device: &wgpu::Device,
+        timer: Option<&Timer>,
+        encoder: &mut wgpu::CommandEncoder,
+        budget: Duration,
+    ) -> bool {
+        let start = Instant::now();
+        let mut state = self.state();
+        let frames = self.clone();
+        if state.in_flight > 0 || state.works.is_empty() {
+            if state.in_flight == 0 && timer.is_none() {
+                encoder.on_submitted_work_done(move || frames.state().delay = start.elapsed().as_secs_f64());
+            }
+            return false;
+        }
+        let budget = budget.as_secs_f64();
+        let mut left = PLANNED * budget;
+        let in_time = |left: f64| left > 0.0 && start.elapsed().as_secs_f64() < budget;
+
+        state.record_others(encoder, &mut left, in_time);
+        let slice = if in_time(left) && matches!(state.works.front(), Some(Work::Dispatch { .. })) {
+            let stamps = timer.map(|timer| Stamps::new(device, timer));
+            let writes = stamps.as_ref().map(Stamps::writes);
+            let mut pass =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raycell"), timestamp_writes: writes });
+            let slice = state.record_dispatches(device, &mut pass, &mut left, in_time);
+            drop(pass);
+            state.record_others(encoder, &mut left, in_time);
+            Some((slice, stamps))
+        } else if let Some(Work::Warm { .. }) = state.works.front() {
+            // Compiling takes as long as it takes, and says nothing about slices.
+            if let Some(work) = state.works.pop_front() {
+                work.record(encoder);
+            }
+            state.record_others(encoder, &mut left, in_time);
+            None
+        } else {
+            None
+        };
+
+        state.in_flight += 1;
+        match slice {
+            Some((slice, Some(stamps))) => stamps.read(device, encoder, move |seconds| {
+                frames.state().done(seconds.map(|seconds| (slice, seconds)));
+            }),
+            slice => encoder.on_submitted_work_done(move || {
+                let mut state = frames.state();
+                // How long the device was at it: less what the host takes to hear of anything.
+                let heard = start.elapsed().as_secs_f64();
+                let seconds = (heard - state.delay).max(SURE * heard);
+                state.done(slice.map(|(slice, _)| (slice, seconds)));
+            }),
+        }
+        true
+    }
+}
+
+impl State {
+    /// Records what is neither dispatch nor warming, up to the first that is; long copies and clears in parts.
+    fn record_others(&mut self, encoder: &mut wgpu::CommandEncoder, left: &mut f64, in_time: impl Fn(f64) -> bool) {
+        while in_time(*left) && !matches!(self.works.front(), None | Some(Work::Dispatch { .. } | Work::Warm { .. })) {
+            let Some(mut work) = self.works.pop_front() else { return };
+            let wanted = (*left * COPY_RATE) as u64;
+            let rest = work.split(wanted.next_multiple_of(PIECE));
+            *left -= work.bytes() as f64 / COPY_RATE;
+            work.record(encoder);
+            if let Some(rest) = rest {
+                self.works.push_front(rest);
+            }
+        }
+    }
+
+    /// Records dispatches, in parts where they are long, until the time is planned for.
+    fn record_dispatches(
+        &mut self,
+        device: &wgpu::Device,
+        pass: &mut wgpu::ComputePass,
+        left: &mut f64,
+        in_time: impl Fn(f64) -> bool,
+    ) -> Slice {
+        let mut slice = Slice { kernels: Vec::new(), dispatches: 0.0, planned: 0.0 };
+        while in_time(*left) {
+            let Some(Work::Dispatch { job, first }) = self.works.front_mut() else { break };
+            let pace = self.paces.get_mut(job.name);
+            let pace = pace.map(|pace| {
+                if *first == 0 {
+                    pace.seconds = pace.seconds.max(std::mem::take(&mut pace.slowest));
+                }
+                *pace
+            });
+            let items = match pace {
+                Some(pace) => {
+                    // What a job's items cost is seen in its first slice.
+                    let wanted = if *first == 0 { *left * FIRST } else { *left };
+                    part(job, *first, (wanted / pace.seconds).min(GROWTH * pace.tried))
+                }
+                // Alone in its slice, and small, so that its time is its own.
+                None if slice.kernels.is_empty() => part(job, *first, PROBE),
+                None => break,
+            };
+            let part = *first..*first + items;
+            job.encode_part(device, part.clone(), pass);
+            let share = job.share * f64::from(items);
+            let seconds = pace.map_or(f64::NAN, |pace| pace.seconds * share + DISPATCH);
+            match slice.kernels.iter_mut().find(|(name, _)| *name == job.name) {
+                Some((_, sum)) => *sum += share,
+                None => slice.kernels.push((job.name, share)),
+            }
+            slice.planned += seconds;
+            slice.dispatches += 1.0;
+            // Where it is not known how long it takes, that is enough.
+            *left = if seconds.is_nan() { 0.0 } else { *left - seconds };
+            if part.end == job.items {
+                self.works.pop_front();
+            } else {
+                *first = part.end;
+                if part.start == 0 {
+                    break;
+                }
+            }
+        }
+        slice
+    }
+
+    /// A slice is done: learns from the seconds it took, where they are known.
+    fn done(&mut self, took: Option<(Slice, f64)>) {
+        self.in_flight = self.in_flight.saturating_sub(1);
+        let Some((slice, seconds)) = took else { return };
+        let items = (seconds - DISPATCH * slice.dispatches).max(0.0);
+        let planned = slice.planned - DISPATCH * slice.dispatches;
+        for &(name, share) in &slice.kernels {
+            let pace = self.paces.entry(name).or_insert(Pace { seconds: items / share, slowest: 0.0, tried: 0.0 });
+            pace.tried = pace.tried.max(share);
+            // Each kernel's part of what was measured, as it was planned.
+            let measured = match slice.kernels.len() {
+                1 => items / share,
+                _ => pace.seconds * (items / planned).clamp(1.0 / FASTER, SLOWER),
+            };
+            pace.seconds = measured.max(pace.seconds / FASTER);
+            pace.slowest = pace.slowest.max(measured);
+        }
+    }
+}
+
+/// Items from `first` on that are recorded in one dispatch: about a share `wanted` of what the pass
+/// allows, within the job's chunk; whole workgroups where there are any.
+fn part(job: &Job, first: u32, wanted: f64) -> u32 {
+    let group = super::kernel::WORKGROUP;
+    let items = ((wanted / job.share) as u32).max(1);
+    let whole = if items > group { items - items % group } else { items };
+    whole.min(job.chunk).min(job.items - first)
+}
+
+/// Two timestamps around a pass.
+struct Stamps {
+    set: wgpu::QuerySet,
+    period: f64,
+}
+
+impl Stamps {
+    fn new(device: &wgpu::Device, timer: &Timer) -> Stamps {
+        let descriptor = wgpu::QuerySetDescriptor { label: Some("raycell.time"), ty: wgpu::QueryType::Timestamp, count: 2 };
+        Stamps { set: device.create_query_set(&descriptor), period: timer.period }
+    }
+
+    fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: Some(1),
+        }
+    }
+
+    /// Has the seconds between the two sent to `then`; none where they could not be read.
+    fn read(self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, then: impl FnOnce(Option<f64>) + Send + 'static) {
+        let buffer = |label, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: 16, usage, mapped_at_creation: false })
+        };
+        let resolved = buffer("raycell.time", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
+        let staging = buffer("raycell.time.staging", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        encoder.resolve_query_set(&self.set, 0..2, &resolved, 0);
+        encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, 16);
+        let mapped = staging.clone();
+        encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Read, .., move |result| {
+            let view = result.ok().and_then(|()| mapped.get_mapped_range(..).ok());
+            let ticks = view.map(|view| bytemuck::pod_read_unaligned::<[u64; 2]>(&view));
+            // Drivers that reset their clock within a pass tell nothing.
+            let seconds = ticks.and_then(|[a, b]| b.checked_sub(a)).map(|t| t as f64 * self.period * 1e-9);
+            then(seconds.filter(|s| *s > 0.0));
+        });
+    }
+}
+
+impl std::fmt::Debug for State {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("State").field("works", &self.works.len()).field("in_flight", &self.in_flight).finish_non_exhaustive()
+    }
+}
