@@ -35,6 +35,7 @@ const PILOT_CELLS: u32 = 512;
 /// Nodes of the pilot network.
 const PILOT_NODES: usize = 400;
 /// Rays in a batch.
+#[doc(hidden)]
 pub const BATCH: u32 = 65_536;
 /// Features that cells start from.
 const FIRST_FEATURES: usize = 4_096;

@@ -5,7 +5,7 @@ use crate::engine::Backend;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::frames::{Frames, Timer};
-use crate::output::ply::Mesh;
+use crate::output::mesh::Mesh;
 use crate::params::Params;
 use crate::pass;
 use crate::progress::{Event, Flow};

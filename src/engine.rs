@@ -27,6 +27,7 @@ pub enum Backend {
 ///
 /// Arrays live in [`Engine::Batch`]es: points, and what the passes have found about each of them.
 /// Counts and ranges are in points unless a name says rays; a ray is two consecutive points.
+#[doc(hidden)]
 pub trait Engine {
     /// Points that live on the machine, with their direct light, weights, features and winners.
     type Batch;

@@ -31,6 +31,9 @@
 //! - **Progress:** the closure hears [`Event`]s and may answer [`Flow::Stop`]. The library prints
 //!   nothing and keeps no global state; what fails is an [`Error`] that names the cure.
 //!
+//! What these pages leave out is public for the tests and benches alone (`pass`, `twin`, `layout` and their like):
+//! it is not covered by semantic versioning. `docs/api.txt` lists what is.
+//!
 //! `cli`, a default feature, is the program; `--no-default-features` builds the library alone.
 
 pub mod bake;
@@ -43,17 +46,23 @@ pub mod doctor;
 pub mod engine;
 pub mod error;
 pub mod gpu;
+#[doc(hidden)]
 pub mod layout;
+#[doc(hidden)]
 pub mod network;
 pub mod output;
 pub mod params;
+#[doc(hidden)]
 pub mod pass;
 pub mod progress;
+#[doc(hidden)]
 pub mod radiosity;
 pub mod scene;
+#[doc(hidden)]
 pub mod shade;
 pub mod solution;
 mod stream;
+#[doc(hidden)]
 pub mod twin;
 
 pub use bake::{bake, bake_from};

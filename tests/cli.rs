@@ -267,6 +267,41 @@ fn pages_and_completions_tell_every_flag() {
     dir.refuses("completions tcsh", 2, &["tcsh", "fish"]);
 }
 
+/// Asserts that a `vertices.glb` holds, corner by corner, what a `vertices.ply` of a scene with one part does.
+fn same_light(ply: &[u8], glb: &[u8]) {
+    let end = b"end_header\n";
+    let header = ply.windows(end.len()).position(|w| w == end).unwrap() + end.len();
+    let text = String::from_utf8_lossy(&ply[..header]);
+    let count = |what: &str| -> usize {
+        let (_, rest) = text.split_once(&format!("element {what} ")).unwrap();
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let (vertices, faces) = (count("vertex"), count("face"));
+    assert_eq!((vertices, faces), (24, 12));
+    let f32_at = |bytes: &[u8], at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let file = gltf::Gltf::from_slice(glb).expect("valid glTF");
+    let blob = file.blob.as_deref().unwrap();
+    let primitive = file.meshes().next().unwrap().primitives().next().unwrap();
+    assert_eq!((file.meshes().count(), primitive.material().name()), (1, Some("furnace")));
+    let of = |semantic| primitive.get(&semantic).unwrap().view().unwrap().offset();
+    let (positions, colours) = (of(gltf::Semantic::Positions), of(gltf::Semantic::Colors(0)));
+    for v in 0..vertices {
+        let there = header + 51 * v; // three f64, six f32, three bytes
+        for k in 0..3 {
+            let p = f64::from_le_bytes(ply[there + 8 * k..there + 8 * k + 8].try_into().unwrap());
+            assert_eq!(p as f32, f32_at(blob, positions + 12 * v + 4 * k));
+            let b = f32_at(ply, there + 36 + 4 * k);
+            assert!(b > 0.0);
+            assert_eq!((b as f64 / std::f64::consts::PI) as f32, f32_at(blob, colours + 16 * v + 4 * k));
+        }
+    }
+    let indices = primitive.indices().unwrap().view().unwrap().offset();
+    for f in 0..faces {
+        let there = header + 51 * vertices + 13 * f;
+        assert_eq!(ply[there + 1..there + 13], blob[indices + 12 * f..indices + 12 * f + 12]);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn names_need_not_be_text() {
@@ -331,6 +366,11 @@ fn a_bake_leaves_what_was_asked_for() {
     for name in ["solution.rcell", "points.csv", "picture.png"] {
         assert_eq!(fs::read(dir.path("out").join(name)).unwrap(), fs::read(dir.path("two").join(name)).unwrap(), "{name}");
     }
+
+    // The same vertices in the other format.
+    let output = dir.run(&format!("bake {scene} {small} --vertices=glb -o two --quiet"));
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    same_light(&fs::read(dir.path("out/vertices.ply")).unwrap(), &fs::read(dir.path("two/vertices.glb")).unwrap());
 
     // The solution answers by itself.
     let output = dir.run("query out/solution.rcell --backend cpu --points p.csv -o q.csv");

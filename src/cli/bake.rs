@@ -13,14 +13,14 @@ use super::shared::scene::{self, Reading};
 use crate::bake_from;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
-use crate::output::ply::Mesh;
+use crate::output::mesh::Mesh;
 use crate::output::report::Report;
-use crate::output::{image, ply, points, report};
+use crate::output::{glb, image, ply, points, report};
 use crate::params::Params;
 use crate::progress::Event;
 use crate::scene::Scene;
 use crate::solution::{self, Answer, Image, Solution, SurfacePoint};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -31,8 +31,8 @@ Examples:
       Light a scene; the results lie in the folder out.
   raycell bake room.obj --camera room.json -o lit
       Also lit/picture.exr and lit/picture.png, seen by the camera in room.json.
-  raycell bake room.obj --points points.csv --vertices
-      Also the light at points of your choice, and a mesh with the light at its vertices.
+  raycell bake room.obj --points points.csv --vertices=glb
+      Also the light at points of your choice, and a mesh with the light in its vertex colours.
   raycell bake room.obj --rays 4194304 --seed 7
       Finer: the error falls about as rays^-0.3. Another seed shows how much is noise.
   raycell bake room.obj --rays 4194304 --seed 7 --resume
@@ -53,9 +53,9 @@ pub struct Flags {
     /// Also answer these points: CSV with px,py,pz,nx,ny,nz; written to points.csv.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Also write vertices.ply, the radiosity at every vertex.
-    #[arg(long)]
-    pub vertices: bool,
+    /// Also write the light at every vertex: vertices.ply, or with =glb vertices.glb.
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "ply")]
+    pub vertices: Option<Vertices>,
     /// Go on with the bake in DIR that was stopped, instead of beginning again.
     ///
     /// Everything else must be asked for as then; the result is, byte for byte, that of a bake that was not stopped.
@@ -71,6 +71,14 @@ pub struct Flags {
     pub network: Network,
     #[command(flatten)]
     pub device: Device,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Vertices {
+    /// Radiosity in W/m2, beside colours to look at.
+    Ply,
+    /// Binary glTF with radiance B/pi in COLOR_0, for engines and viewers.
+    Glb,
 }
 
 pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure> {
@@ -91,7 +99,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     // Bake and read out; everything is read out before the first result appears.
     let there = if flags.resume { kept::already(dir, &scene, &params) } else { None };
     let mut kept = Kept::open(dir, flags.resume && there.is_none(), &log)?;
-    let asked = Asked { points: points_in.as_deref(), camera, vertices: flags.vertices };
+    let asked = Asked { points: points_in.as_deref(), camera, vertices: flags.vertices.is_some() };
     let fill = |report: &mut Report| {
         report.adapter = machine.adapter.clone();
         report.memory_bytes.host = host_bytes();
@@ -114,9 +122,16 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         points::write(&dir.join("points.csv"), p, a)?;
         wrote("points.csv", &off_surface(a));
     }
-    if let Some(mesh) = &mesh {
-        ply::write(&dir.join("vertices.ply"), mesh)?;
-        wrote("vertices.ply", "");
+    match (flags.vertices, &mesh) {
+        (Some(Vertices::Ply), Some(mesh)) => {
+            ply::write(&dir.join("vertices.ply"), mesh)?;
+            wrote("vertices.ply", "");
+        }
+        (Some(Vertices::Glb), Some(mesh)) => {
+            glb::write(&dir.join("vertices.glb"), mesh)?;
+            wrote("vertices.glb", " (linear radiance in COLOR_0)");
+        }
+        _ => {}
     }
     if let Some(picture) = &picture {
         image::write(&dir.join("picture.exr"), picture, None)?;

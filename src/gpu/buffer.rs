@@ -104,6 +104,7 @@ impl<T: Pod> GpuVec<T> {
     }
 }
 
+#[doc(hidden)]
 impl Gpu {
     /// Bytes that vectors hold on the device now.
     pub fn device_bytes(&self) -> u64 {

@@ -129,6 +129,7 @@ impl Job {
     }
 }
 
+#[doc(hidden)]
 impl Gpu {
     /// Binds a kernel to its buffers for `items` items, at most `chunk` a dispatch.
     ///

@@ -39,6 +39,7 @@ pub struct Pipeline {
     pub(super) warm: OnceLock<f64>,
 }
 
+#[doc(hidden)]
 impl Gpu {
     /// The pipeline of a kernel, compiled on the first call.
     ///

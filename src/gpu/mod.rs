@@ -3,21 +3,30 @@
 //! [`Gpu`] works on a device that its host owns: it never makes one, never prints, and waits only in
 //! [`Gpu::read`] and [`Gpu::wait`]. [`device`] opens a device for those who have none.
 
+#[doc(hidden)]
 pub mod buffer;
 pub mod device;
+#[doc(hidden)]
 pub mod dispatch;
 mod failure;
 pub(crate) mod frames;
+#[doc(hidden)]
 pub mod kernel;
 mod publish;
+#[doc(hidden)]
 pub mod readback;
+#[doc(hidden)]
 pub mod sentinel;
+#[doc(hidden)]
 pub mod wgsl;
 mod work;
 
+#[doc(hidden)]
 pub use buffer::GpuVec;
+#[doc(hidden)]
 pub use dispatch::{HEAVY, Job, LIGHT};
 pub use failure::Watch;
+#[doc(hidden)]
 pub use kernel::{Access, Kernel, Pipeline};
 
 use crate::error::{Error, Result};
@@ -110,11 +119,13 @@ impl Gpu {
     }
 
     /// The buffer of finished flags, to bind as `status`.
+    #[doc(hidden)]
     pub fn status(&self) -> &wgpu::Buffer {
         self.status.buffer()
     }
 
     /// The place of a kernel in `status`, for its `params.flag`.
+    #[doc(hidden)]
     pub fn flag(&self, kernel: &Kernel) -> u32 {
         wgsl::KERNELS.iter().position(|(name, _)| *name == kernel.name).unwrap_or(0) as u32
     }
@@ -122,11 +133,13 @@ impl Gpu {
     /// Waits, and says whether all that ran came to its end. Call it before results are trusted.
     ///
     /// Errors: [`Error::Unfinished`] naming the kernel, [`Error::Device`].
+    #[doc(hidden)]
     pub fn check_finished(&self) -> Result<()> {
         self.judge(&self.read(&self.status)?)
     }
 
     /// [`Gpu::read_range`] of what kernels have finished: waits once for both.
+    #[doc(hidden)]
     pub fn read_finished<T: Pod>(&self, vec: &GpuVec<T>, start: usize, len: usize) -> Result<Vec<T>> {
         let status = self.begin_read(&self.status, 0, self.status.len())?;
         let wanted = self.begin_read(vec, start, len)?;

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 /// Bytes of a row of texels are a multiple of this in a copy.
 const ROW: usize = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize;
 
+#[doc(hidden)]
 impl Gpu {
     /// A buffer of texels that vertex and storage bindings may read. Errors: [`Error::Limit`], [`Error::Device`].
     pub(crate) fn publish(&self, label: &'static str, texels: &[[f32; 4]]) -> Result<wgpu::Buffer> {

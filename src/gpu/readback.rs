@@ -12,6 +12,7 @@ const CALLBACK: std::time::Duration = std::time::Duration::from_secs(10);
 
 /// Contents that are on their way to the host.
 #[must_use]
+#[doc(hidden)]
 pub struct Pending<T> {
     label: &'static str,
     staging: Option<wgpu::Buffer>,
@@ -20,6 +21,7 @@ pub struct Pending<T> {
     of: PhantomData<T>,
 }
 
+#[doc(hidden)]
 impl Gpu {
     /// Waits until all work handed over so far is done.
     pub fn wait(&self) -> Result<()> {

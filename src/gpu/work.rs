@@ -86,6 +86,7 @@ pub(super) enum Route {
     Host(Arc<Frames>),
 }
 
+#[doc(hidden)]
 impl Gpu {
     /// Whether work waits for a host's frames.
     pub(super) fn in_frames(&self) -> bool {

@@ -2,31 +2,10 @@
 //!
 //! `B_r,B_g,B_b` are the numbers (W/m²); `red,green,blue` are only for looking at.
 
+use super::mesh::Mesh;
 use super::{atomic, image::Tone};
 use crate::error::Result;
 use std::path::Path;
-
-/// A mesh with light at its vertices.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
-    /// Vertices.
-    pub vertices: Vec<Vertex>,
-    /// Triangles.
-    pub faces: Vec<[u32; 3]>,
-    /// Index into [`crate::Scene::faces`] of each triangle, ascending.
-    pub sources: Vec<u32>,
-}
-
-/// A vertex of a [`Mesh`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Vertex {
-    /// Position, metres.
-    pub p: [f64; 3],
-    /// Unit normal of the side that the light was taken on.
-    pub n: [f32; 3],
-    /// Radiosity, W/m².
-    pub b: [f32; 3],
-}
 
 /// Writes a mesh. Errors: [`crate::Error::Write`].
 pub fn write(path: &Path, mesh: &Mesh) -> Result<()> {
@@ -59,13 +38,14 @@ pub fn write(path: &Path, mesh: &Mesh) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::mesh::Vertex;
 
     #[test]
     fn the_header_matches_the_bytes() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("v.ply");
         let vertex = Vertex { p: [1.0, 2.0, 3.0], n: [0.0, 1.0, 0.0], b: [0.5, 0.25, 0.0] };
-        write(&path, &Mesh { vertices: vec![vertex; 3], faces: vec![[0, 1, 2]], sources: vec![0] }).unwrap();
+        write(&path, &Mesh { vertices: vec![vertex; 3], faces: vec![[0, 1, 2]], ..Mesh::default() }).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let end = b"end_header\n";
         let body = bytes.windows(end.len()).position(|w| w == end).unwrap() + end.len();

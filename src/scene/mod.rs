@@ -14,9 +14,12 @@ mod toml;
 mod transform;
 mod unread;
 
+#[doc(hidden)]
 pub use distribution::cumulative;
+#[doc(hidden)]
 pub use geometry::Geometry;
 pub use load::{KdSpace, LoadOptions, Up};
+#[doc(hidden)]
 pub use surface::Located;
 pub(crate) use surface::nearest_on_triangle;
 

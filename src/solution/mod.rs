@@ -90,6 +90,7 @@ impl Solution {
     }
 
     /// For later stages to add to.
+    #[doc(hidden)]
     pub fn report_mut(&mut self) -> &mut Report {
         &mut self.report
     }
@@ -100,16 +101,19 @@ impl Solution {
     }
 
     /// Nodes of the surface network, local units.
+    #[doc(hidden)]
     pub fn nodes(&self) -> &[Node] {
         &self.surface.nodes
     }
 
     /// Cells of the network: reference rays in feature space.
+    #[doc(hidden)]
     pub fn cells(&self) -> &[Feature] {
         &self.cells
     }
 
     /// The cells read as coefficients: what new emissions are solved with.
+    #[doc(hidden)]
     pub fn system(&self) -> &System {
         &self.system
     }

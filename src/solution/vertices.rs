@@ -4,7 +4,7 @@ use super::Solution;
 use crate::engine::Backend;
 use crate::error::Result;
 use crate::layout::Point;
-use crate::output::ply::{Mesh, Vertex};
+use crate::output::mesh::{Mesh, Part, Vertex};
 use crate::params::Params;
 use crate::progress::{Event, Flow};
 use crate::twin::trace::surface_point;
@@ -37,7 +37,7 @@ impl Solution {
 
     /// As [`Solution::vertices`], telling its progress.
     pub fn vertices_with(&self, backend: &Backend, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Mesh> {
-        let (corners, faces, sources) = self.corners();
+        let (corners, mesh) = self.corners();
         let points: Vec<Point> = corners
             .iter()
             .map(|c| {
@@ -63,22 +63,29 @@ impl Solution {
                 Ok(Vertex { p, n: c.normal.to_array(), b: answer.b.map(|b| b as f32) })
             })
             .collect::<Result<_>>()?;
-        Ok(Mesh { vertices, faces, sources })
+        Ok(Mesh { vertices, ..mesh })
     }
 
-    /// The output vertices, the faces between them in the order of the scene's faces, and which of the scene's these are.
-    fn corners(&self) -> (Vec<Corner>, Vec<[u32; 3]>, Vec<u32>) {
+    /// Where the vertices' light is taken, and the mesh without its vertices, in the order of the scene's faces.
+    fn corners(&self) -> (Vec<Corner>, Mesh) {
         let geometry = &self.geometry;
         let mut order: Vec<u32> = (0..geometry.tris.len() as u32).collect();
         order.sort_unstable_by_key(|&t| geometry.source[t as usize]);
         let mut corners: Vec<Corner> = Vec::new();
         let mut at: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
+        let (mut part, mut parts) = (Vec::new(), Vec::new());
+        let mut part_of: HashMap<(u32, u32), u32> = HashMap::new();
         let faces = order
             .iter()
             .map(|&tri| {
                 let t = &geometry.tris[tri as usize];
                 let normal = Vec3::from(t.normal);
                 let face = &self.scene.faces[geometry.source[tri as usize] as usize];
+                part.push(*part_of.entry((face.object, face.material)).or_insert_with(|| {
+                    let object = self.scene.objects.get(face.object as usize).cloned().unwrap_or_default();
+                    parts.push(Part { object, material: self.scene.materials[face.material as usize].name.clone() });
+                    parts.len() as u32 - 1
+                }));
                 [0, 1, 2].map(|corner| {
                     let vertex = face.vertices[corner];
                     let here = at.entry((vertex, face.material)).or_default();
@@ -96,7 +103,7 @@ impl Solution {
             })
             .collect();
         let sources = order.iter().map(|&t| geometry.source[t as usize]).collect();
-        (corners, faces, sources)
+        (corners, Mesh { vertices: Vec::new(), faces, sources, part, parts })
     }
 }
 

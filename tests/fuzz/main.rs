@@ -4,6 +4,7 @@
 //! failed lies in `tests/data/fuzz/` and is read first, for ever. `RAYCELL_FUZZ_CASES` sets another number of cases.
 
 mod alloc;
+mod csv;
 mod gltf;
 mod mtl;
 mod mutate;
