@@ -87,8 +87,11 @@ fn frames_of_a_host() {
 
     // The same bytes as from the blocking bake on the same adapter.
     let (other, other_queue) = embed::device().unwrap();
-    let backend = Backend::Gpu(Arc::new(Gpu::new(&other, &other_queue).unwrap()));
+    let gpu = Arc::new(Gpu::new(&other, &other_queue).unwrap());
+    let held = gpu.device_bytes();
+    let backend = Backend::Gpu(gpu.clone());
     let blocking = bake(&backend, &scene, &Params::default(), &mut |_| Flow::Continue).unwrap();
+    assert_eq!(gpu.device_bytes(), held, "a bake leaves buffers behind");
     let folder = tempfile::tempdir().unwrap();
     let saved = |name: &str, solution: &raycell::Solution| {
         let path = folder.path().join(name);
