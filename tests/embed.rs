@@ -87,8 +87,11 @@ fn frames_of_a_host() {
 
     // The same bytes as from the blocking bake on the same adapter.
     let (other, other_queue) = embed::device().unwrap();
-    let backend = Backend::Gpu(Arc::new(Gpu::new(&other, &other_queue).unwrap()));
+    let gpu = Arc::new(Gpu::new(&other, &other_queue).unwrap());
+    let held = gpu.device_bytes();
+    let backend = Backend::Gpu(gpu.clone());
     let blocking = bake(&backend, &scene, &Params::default(), &mut |_| Flow::Continue).unwrap();
+    assert_eq!(gpu.device_bytes(), held, "a bake leaves buffers behind");
     let folder = tempfile::tempdir().unwrap();
     let saved = |name: &str, solution: &raycell::Solution| {
         let path = folder.path().join(name);
@@ -186,6 +189,22 @@ fn a_host_may_stop_a_bake_or_drop_it() {
     };
     assert!(matches!(end, Error::Cancelled), "{end}");
     assert!(matches!(baker.finish(), Err(Error::Cancelled)));
+
+    // Commands that are never submitted cannot be made up for.
+    let mut baker = Baker::new(&device, &queue, &scene, few_rays()).unwrap();
+    let end = loop {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let recorded = baker.encode(&mut encoder, embed::BUDGET).unwrap();
+        if !recorded {
+            queue.submit([encoder.finish()]);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+        match baker.poll_ready() {
+            Ok(ready) => assert_ne!(ready, Ready::Done),
+            Err(e) => break e,
+        }
+    };
+    assert!(matches!(end, Error::Device { .. }), "{end}");
 
     // Dropped in the middle: its thread ends, and the closure goes with it.
     let alive = Arc::new(());

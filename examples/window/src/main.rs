@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// What the bake may have of a frame.
-const BUDGET: Duration = Duration::from_millis(4);
+const BUDGET: Duration = Duration::from_millis(8);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut path, mut report) = (PathBuf::from("scenes/cornell/scene.obj"), None);
@@ -48,12 +48,18 @@ struct Window {
 }
 
 impl Window {
-    fn new(context: &eframe::CreationContext, scene: Scene, report: Option<PathBuf>) -> Result<Window, Box<dyn std::error::Error + Send + Sync>> {
+    fn new(
+        context: &eframe::CreationContext,
+        scene: Scene,
+        report: Option<PathBuf>,
+    ) -> Result<Window, Box<dyn std::error::Error + Send + Sync>> {
         let wgpu = context.wgpu_render_state.as_ref().ok_or("the window has no wgpu")?;
         let said = Arc::new(Mutex::new(String::new()));
         let tell = said.clone();
+        // A preview: at sixty frames a second, eight milliseconds each, all rays would take their time.
+        let params = Params { rays: 65_536, ..Params::default() };
         // The window's own device and queue; what is said goes to the label.
-        let baker = raycell::Baker::new(&wgpu.device, &wgpu.queue, &scene, Params::default())?.progress(move |event| {
+        let baker = raycell::Baker::new(&wgpu.device, &wgpu.queue, &scene, params)?.progress(move |event| {
             if let Some(text) = words(event) {
                 *tell.lock().unwrap_or_else(|e| e.into_inner()) = text;
             }
