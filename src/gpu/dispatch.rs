@@ -178,7 +178,8 @@ impl Gpu {
     /// that compile in the first submission this keeps later ones short.
     pub(crate) fn warm_up_all(&self, kernels: &[&Kernel]) -> Result<()> {
         let slots = kernels.iter().map(|k| k.buffers.len()).max().unwrap_or(0);
-        let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> = (0..slots).map(|_| self.alloc("stand-in", 1)).collect::<Result<_>>()?;
+        let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> =
+            (0..slots).map(|_| self.upload("stand-in", &[[0; STAND_IN]])).collect::<Result<_>>()?;
         let jobs = kernels.iter().map(|kernel| {
             let buffers = stand_ins.iter().take(kernel.buffers.len()).map(|b| b.buffer().clone()).collect();
             self.bind(kernel, vec![0; STAND_IN], buffers, 0, WORKGROUP)
@@ -189,7 +190,10 @@ impl Gpu {
 
     /// Dispatches kernels for no items and waits, so that compiling is timed apart from work.
     fn warm_up(&self, jobs: Vec<Arc<Job>>) -> Result<()> {
-        self.wait()?;
+        // In frames it is the first work of all.
+        if !self.in_frames() {
+            self.wait()?;
+        }
         let start = Instant::now();
         self.hand(|| jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", "), Work::Warm { jobs: jobs.clone() })?;
         self.wait()?;
