@@ -233,7 +233,11 @@ impl Frames {
                     let mut state = sent.frames.state();
                     // How long the device was at it: less what the host takes to hear of anything.
                     let heard = start.elapsed().as_secs_f64();
-                    let seconds = (heard - state.delay).max(SURE * heard);
+                    let planned = slice.as_ref().map_or(0.0, |(slice, _)| slice.planned);
+                    // Within the delay's own noise nothing was slow: else slices would shrink for no reason, and go on shrinking.
+                    let own = heard - state.delay;
+                    let own = if heard < 2.0 * state.delay + planned { own.min(planned) } else { own };
+                    let seconds = own.max(SURE * heard);
                     state.done(slice.map(|(slice, _)| (slice, seconds)));
                 })
             }
