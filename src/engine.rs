@@ -42,6 +42,9 @@ pub trait Engine {
     /// Pass `shoot`: `rays` consecutive cosine rays of each point; a point a ray.
     fn shoot(&mut self, from: &Self::Batch, seed: u32, first: u32, rays: u32) -> Result<Self::Batch>;
 
+    /// Pass `kernel`: G V of consecutive pairs of points, per local area.
+    fn kernel(&mut self, pairs: &[Point]) -> Result<Vec<f32>>;
+
     /// Pass `direct`: adds rounds `first..first + rounds` to the listed points' direct light (all points where `None`).
     fn direct(
         &mut self,

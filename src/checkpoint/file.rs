@@ -193,8 +193,11 @@ impl Checkpoint {
             return Err("its rays hold numbers that cannot be");
         }
         if let Some(g) = &net.growth {
-            let batches = rays.div_ceil(crate::bake::BATCH) as usize;
-            if !finite(g.cells.as_flattened()) || g.batch >= batches || g.at > 2 * crate::bake::BATCH as usize || cells > 200_000
+            let batches = rays.div_ceil(crate::bake::flux::BATCH) as usize;
+            if !finite(g.cells.as_flattened())
+                || g.batch >= batches
+                || g.at > 2 * crate::bake::flux::BATCH as usize
+                || cells > 200_000
             {
                 return Err("its cells hold numbers that cannot be");
             }

@@ -123,6 +123,11 @@ impl Engine for GpuEngine<'_> {
         self.batch(super::shoot::shoot(self.gpu, &self.scene, &from.points, seed, first, rays)?)
     }
 
+    fn kernel(&mut self, pairs: &[Point]) -> Result<Vec<f32>> {
+        let points = self.gpu.upload("pairs", pairs)?;
+        self.fetch(&super::kernel::kernel(self.gpu, &self.scene, &points)?)
+    }
+
     fn direct(
         &mut self,
         batch: &mut GpuBatch,

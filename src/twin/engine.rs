@@ -57,6 +57,10 @@ impl Engine for TwinEngine<'_> {
         Ok(TwinBatch { points: super::shoot::shoot(self.geometry, &from.points, seed, first, rays), ..TwinBatch::default() })
     }
 
+    fn kernel(&mut self, pairs: &[Point]) -> Result<Vec<f32>> {
+        Ok(super::kernel::kernel(self.geometry, pairs))
+    }
+
     fn direct(
         &mut self,
         batch: &mut TwinBatch,

@@ -1,32 +1,27 @@
-//! The bake: the one place that knows the order of the passes (design §1).
+//! Flux mode: the network learns the light flow itself (design §1).
 //!
 //! 1. Table direct light on tiles; start rays where it has to be carried on.
 //! 2. Pilot network: a coarse solution that says where light goes.
 //! 3. Full network: rays by importance, nodes where light changes quickly, cells grown on the rays.
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
-use crate::checkpoint::{Checkpoint, Key, Pilot, once};
-use crate::doctor;
-use crate::engine::{Backend, Engine};
+use super::Clock;
+use crate::checkpoint::{Checkpoint, Pilot, once};
+use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
 use crate::params::{Direct, Params};
-use crate::pass::GpuEngine;
-use crate::progress::{Event, Flow, Progress};
+use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
 use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
-use crate::solution::Solution;
 use crate::stream::{Stream, stream};
-use crate::twin::TwinEngine;
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 use crate::twin::winner::Metric;
-use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// Rays of the pilot network.
 const PILOT_RAYS: u32 = 65_536;
@@ -35,7 +30,6 @@ const PILOT_CELLS: u32 = 512;
 /// Nodes of the pilot network.
 const PILOT_NODES: usize = 400;
 /// Rays in a batch.
-#[doc(hidden)]
 pub const BATCH: u32 = 65_536;
 /// Features that cells start from.
 const FIRST_FEATURES: usize = 4_096;
@@ -54,110 +48,8 @@ struct Stage<'a> {
     told: bool,
 }
 
-/// Wall time a stage, added up, and what else the engine tells of itself.
-#[derive(Default)]
-pub(crate) struct Clock {
-    pub seconds: BTreeMap<&'static str, f64>,
-    pub compile: Option<f64>,
-    pub device_bytes: Option<u64>,
-}
-
-impl Clock {
-    /// Runs `work` as part of stage `name`.
-    pub fn time<E: Engine, T>(
-        &mut self,
-        engine: &mut E,
-        name: &'static str,
-        work: impl FnOnce(&mut E) -> Result<T>,
-    ) -> Result<T> {
-        let start = Instant::now();
-        let out = work(engine)?;
-        engine.finish()?;
-        *self.seconds.entry(name).or_default() += start.elapsed().as_secs_f64();
-        Ok(out)
-    }
-
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.seconds.get(name).copied()
-    }
-}
-
-/// Bakes a scene: trains the network, solves for the light.
-///
-/// Blocks until done; `progress` hears what happens and may stop it. Errors: those of
-/// [`Scene::check`] and [`Params::check`], of the device, [`crate::Error::NotContractive`],
-/// [`crate::Error::Cancelled`].
-pub fn bake(backend: &Backend, scene: &Scene, params: &Params, progress: &mut dyn FnMut(&Event) -> Flow) -> Result<Solution> {
-    bake_from(backend, scene, params, &mut Checkpoint::default(), progress)
-}
-
-/// As [`bake`], going on from a checkpoint and filling it: what is in it is not computed again, and the solution
-/// is, byte for byte, that of a bake that was never stopped.
-///
-/// After an error the checkpoint holds what was found until then; [`Checkpoint::solution`] makes a partial solution
-/// of it. Errors: those of [`bake`]; [`crate::Error::OtherBake`] where the checkpoint is of another scene, other
-/// parameters, another device or another version.
-pub fn bake_from(
-    backend: &Backend,
-    scene: &Scene,
-    params: &Params,
-    saved: &mut Checkpoint,
-    progress: &mut dyn FnMut(&Event) -> Flow,
-) -> Result<Solution> {
-    params.check()?;
-    let mut progress = Progress::new(progress);
-    progress.event(Event::Stage { name: "bvh" })?;
-    let start = Instant::now();
-    let geometry = Geometry::new(scene)?;
-    let bvh = start.elapsed().as_secs_f64();
-    let resumed = !saved.is_empty();
-    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
-    let warnings = doctor::warnings(scene, &geometry);
-    for warning in &warnings {
-        progress.event(Event::Warning(warning.clone()))?;
-    }
-    let mut clock = Clock::default();
-    match backend {
-        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
-        Backend::Gpu(gpu) => {
-            run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
-        }
-    }
-    let mut solution = saved.assemble(scene, &geometry, params, warnings);
-
-    // Training is everything up to the winners; its parts are told beside it.
-    let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
-    let report = solution.report_mut();
-    report.memory_bytes.device = clock.device_bytes;
-    let seconds = &mut report.seconds;
-    seconds.bvh = Some(bvh);
-    seconds.compile = clock.compile;
-    seconds.train = (train > 0.0).then_some(train);
-    seconds.coefficients = clock.get("coefficients");
-    seconds.solve = clock.get("solve");
-    seconds.direct = clock.get("direct");
-    seconds.total = Some(start.elapsed().as_secs_f64());
-    let net = &saved.network;
-    let training = net.growth.as_ref().map(|g| g.training).unwrap_or_default();
-    for (key, value) in [
-        ("rays_per_second", serde_json::json!((!resumed).then(|| params.rays as f64 / train.max(1e-9)))),
-        ("epochs", serde_json::json!(training.epochs)),
-        ("cells_deleted", serde_json::json!(training.deleted)),
-        ("contraction", serde_json::json!(net.solved.map(|s| s.contraction))),
-        ("dropped_coefficient_mass", serde_json::json!(net.coefficients.as_ref().map(|c| c.dropped))),
-        ("planar_pieces", serde_json::json!(geometry.pieces)),
-        ("emission_scale", serde_json::json!(geometry.emission_scale)),
-        ("stages", serde_json::json!(clock.seconds)),
-        // Times are then those since the bake went on.
-        ("resumed", serde_json::json!(resumed)),
-    ] {
-        report.extra.insert(key.into(), value);
-    }
-    Ok(solution)
-}
-
 /// The order of the passes, on any engine. Fills the checkpoint.
-fn run<E: Engine>(
+pub fn run<E: Engine>(
     engine: &mut E,
     scene: &Scene,
     geometry: &Geometry,
