@@ -95,10 +95,10 @@ pub fn draw(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, light: &w
         label: Some("draw"),
         source: wgpu::ShaderSource::Wgsl(include_str!("embed.wgsl").into()),
     });
-    let stream = |stride, format, location| {
-        let attributes: &'static [wgpu::VertexAttribute] =
-            Vec::leak(vec![wgpu::VertexAttribute { format, offset: 0, shader_location: location }]);
-        Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
+    let position = wgpu::vertex_attr_array![0 => Float32x3];
+    let radiosity = wgpu::vertex_attr_array![1 => Float32x4];
+    let stream = |array_stride, attributes| {
+        Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
     };
     let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("draw"),
@@ -107,7 +107,7 @@ pub fn draw(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, light: &w
             module: &module,
             entry_point: None,
             compilation_options: Default::default(),
-            buffers: &[stream(12, wgpu::VertexFormat::Float32x3, 0), stream(16, wgpu::VertexFormat::Float32x4, 1)],
+            buffers: &[stream(12, &position), stream(16, &radiosity)],
         },
         primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -42,6 +42,7 @@ pub mod checkpoint;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+mod disjoint;
 pub mod doctor;
 pub mod engine;
 pub mod error;

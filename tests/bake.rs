@@ -4,54 +4,17 @@
 //! Without any adapter the tests pass with a note, unless `RAYCELL_REQUIRE_GPU` is set. Bakes are
 //! shared between the tests; `cargo test --release --test bake -- --nocapture` shows the tables.
 
-use raycell::gpu::{Gpu, device};
+mod common;
+
+use common::{gpu, radiosity, root, rrmse, rrmse_without, truth};
+use raycell::gpu::Gpu;
 use raycell::output::points;
 use raycell::scene::{Geometry, Material};
 use raycell::{Answer, Backend, Direct, Flow, Params, Scene, Solution, SurfacePoint, bake};
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
-
-/// The device of all tests, or a note that there is none.
-fn gpu() -> Option<Arc<Gpu>> {
-    static GPU: OnceLock<Option<Arc<Gpu>>> = OnceLock::new();
-    GPU.get_or_init(|| match device::open(device::BackendChoice::Auto, None) {
-        Ok(open) => {
-            eprintln!("on {} ({:?}, {} {})", open.info.name, open.info.backend, open.info.driver, open.info.driver_info);
-            Some(Arc::new(Gpu::new(&open.device, &open.queue).unwrap()))
-        }
-        Err(e) => {
-            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
-            eprintln!("skipped: {e}");
-            None
-        }
-    })
-    .clone()
-}
-
-fn root(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-/// A shipped scene's truth: points, their radiosity, and whether each is good (flag 0).
-struct Truth {
-    points: Vec<SurfacePoint>,
-    b: Vec<[f64; 3]>,
-    good: Vec<bool>,
-}
-
-fn truth(scene: &str) -> Truth {
-    let path = root(&format!("tests/data/{scene}.truth.csv"));
-    let (mut b, mut good) = (Vec::new(), Vec::new());
-    for row in std::fs::read_to_string(&path).unwrap().lines().skip(1) {
-        let cells: Vec<&str> = row.split(',').collect();
-        b.push([6, 7, 8].map(|k| cells[k].parse().unwrap()));
-        good.push(cells[12] == "0");
-    }
-    Truth { points: points::read(&path).unwrap(), b, good }
-}
 
 /// A bake of a shipped scene and its answers at the truth's points.
 struct Baked {
@@ -107,24 +70,6 @@ fn mean(x: &[f64; 3]) -> f64 {
 
 fn sum(b: &[[f64; 3]]) -> f64 {
     b.iter().flatten().sum()
-}
-
-fn radiosity(answers: &[Answer]) -> Vec<[f64; 3]> {
-    answers.iter().map(|a| a.b).collect()
-}
-
-/// sqrt(mean (B - B*)^2)/mean(B*) over points and bands, without the `drop` worst points.
-fn rrmse_without(b: &[[f64; 3]], truth: &[[f64; 3]], drop: usize) -> f64 {
-    let mut order: Vec<(f64, usize)> = (0..b.len()).map(|i| ((0..3).map(|k| (b[i][k] - truth[i][k]).powi(2)).sum(), i)).collect();
-    order.sort_by(|x, y| x.0.total_cmp(&y.0));
-    order.truncate(b.len() - drop);
-    let n = 3.0 * order.len() as f64;
-    let level = order.iter().map(|&(_, i)| truth[i].iter().sum::<f64>()).sum::<f64>() / n;
-    (order.iter().map(|o| o.0).sum::<f64>() / n).sqrt() / level
-}
-
-fn rrmse(b: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
-    rrmse_without(b, truth, 0)
 }
 
 /// Limits of a scene: RRMSE, RRMSE without the worst 1 % of points, median relative error, |sum ratio - 1|.

@@ -2,26 +2,17 @@
 //!
 //! Bakes run on a GPU (a software one counts); without any they pass with a note, unless `RAYCELL_REQUIRE_GPU` is set.
 
-use raycell::gpu::{Gpu, device};
+mod common;
+
+use common::root;
 use raycell::output::points;
 use raycell::scene::{Face, Geometry, KdSpace, LoadOptions, Material, Up};
 use raycell::{Answer, Backend, Error, Event, Flow, Params, Result, Scene, SurfacePoint, bake};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
-fn gpu() -> Option<Backend> {
-    match device::open(device::BackendChoice::Auto, None) {
-        Ok(open) => Some(Backend::Gpu(Arc::new(Gpu::new(&open.device, &open.queue).unwrap()))),
-        Err(e) => {
-            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
-            eprintln!("skipped: {e}");
-            None
-        }
-    }
-}
-
-fn root(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
+/// What bakes run on, or a note that there is nothing.
+fn backend() -> Option<Backend> {
+    common::gpu().map(Backend::Gpu)
 }
 
 /// The first of the files, as a scene; the others lie beside it.
@@ -81,7 +72,7 @@ fn one_room_in_all_formats_gives_the_same_bytes() {
     for scene in &scenes {
         assert_eq!(scene.warnings, Vec::<String>::new(), "{}", scene.name);
     }
-    let Some(backend) = gpu() else { return };
+    let Some(backend) = backend() else { return };
     let dir = tempfile::tempdir().unwrap();
     let at = centres(&scenes[0]);
     let mut files = Vec::new();
@@ -100,7 +91,7 @@ fn one_room_in_all_formats_gives_the_same_bytes() {
 
 #[test]
 fn a_box_turned_inside_out_is_told_and_cured_by_both_sides() {
-    let Some(backend) = gpu() else { return };
+    let Some(backend) = backend() else { return };
     let right = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
     let wrong = turned(right.clone());
     let at = points::read(&root("tests/data/cornell.truth.csv")).unwrap();
@@ -163,7 +154,7 @@ fn a_sheet_has_two_sides_and_lets_nothing_through() {
     let at = |y: f64, ny: f64| SurfacePoint { p: [0.3, y, 0.2], n: [0.0, ny, 0.0] };
     let at = [at(0.0, 1.0), at(0.0, -1.0), at(-1.0, 1.0), SurfacePoint { p: [1.0, -0.1, 0.0], n: [-1.0, 0.0, 0.0] }];
     let mut backends = vec![("cpu", Backend::Cpu)];
-    backends.extend(gpu().map(|b| ("gpu", b)));
+    backends.extend(backend().map(|b| ("gpu", b)));
     for (name, backend) in backends {
         let (light, warnings) = baked(&backend, &scene, 16_384, &at);
         assert_eq!(warnings, Vec::<String>::new());

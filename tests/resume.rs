@@ -2,31 +2,21 @@
 //!
 //! Without any adapter the tests pass with a note, unless `RAYCELL_REQUIRE_GPU` is set.
 
-use raycell::gpu::{Gpu, device};
+mod common;
+
+use common::root;
 use raycell::output::{ply, points};
 use raycell::twin::math::hash;
 use raycell::{Backend, Checkpoint, Error, Event, Flow, Params, Scene, SurfacePoint, bake_from};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Rays of the quick test: two whole batches and a ragged one.
 const RAYS: u32 = 150_000;
 
-/// A device, or a note that there is none.
-fn gpu() -> Option<Backend> {
-    match device::open(device::BackendChoice::Auto, None) {
-        Ok(open) => Some(Backend::Gpu(Arc::new(Gpu::new(&open.device, &open.queue).unwrap()))),
-        Err(e) => {
-            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
-            eprintln!("skipped: {e}");
-            None
-        }
-    }
-}
-
-fn root(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
+/// What bakes run on, or a note that there is nothing.
+fn backend() -> Option<Backend> {
+    common::gpu().map(Backend::Gpu)
 }
 
 /// A bake with its read-out, and what is asked of it.
@@ -97,7 +87,7 @@ impl Job {
 
 #[test]
 fn stopped_at_twenty_moments_cornell_gives_the_same_bytes() {
-    let Some(backend) = gpu() else { return };
+    let Some(backend) = backend() else { return };
     Job::cornell(backend, RAYS).is_the_same_wherever_it_stops(20, 7);
 }
 
@@ -105,7 +95,7 @@ fn stopped_at_twenty_moments_cornell_gives_the_same_bytes() {
 #[test]
 #[ignore = "takes minutes: cargo test --release --test resume -- --ignored"]
 fn stopped_at_twenty_moments_a_default_bake_gives_the_same_bytes() {
-    let Some(backend) = gpu() else { return };
+    let Some(backend) = backend() else { return };
     Job::cornell(backend, Params::default().rays).is_the_same_wherever_it_stops(20, 1);
 }
 
@@ -113,7 +103,7 @@ fn stopped_at_twenty_moments_a_default_bake_gives_the_same_bytes() {
 /// on a machine that does nothing else, on which such a bake takes eight.
 #[test]
 fn no_stop_waits_long() {
-    let Some(backend) = gpu() else { return };
+    let Some(backend) = backend() else { return };
     let job = Job::cornell(backend, Params::default().rays);
     let dir = tempfile::tempdir().unwrap();
     // Every gap by its last event and place; the shortest of three, for what else runs on this machine. The first run
@@ -145,7 +135,7 @@ fn no_stop_waits_long() {
 /// The program on the Cornell box, in a folder of its own.
 #[cfg(unix)]
 mod program {
-    use super::{RAYS, gpu, hash, root};
+    use super::{RAYS, backend, hash, root};
     use std::fs;
     use std::path::Path;
     use std::process::{Command, Output, Stdio};
@@ -174,7 +164,7 @@ mod program {
 
     #[test]
     fn signals_at_random_times_change_no_byte() {
-        if gpu().is_none() {
+        if backend().is_none() {
             return;
         }
         let dir = tempfile::tempdir().unwrap();
@@ -221,7 +211,7 @@ mod program {
 
     #[test]
     fn what_cannot_be_resumed_is_refused_by_name() {
-        if gpu().is_none() {
+        if backend().is_none() {
             return;
         }
         let dir = tempfile::tempdir().unwrap();

@@ -2,6 +2,8 @@
 //!
 //! Without any adapter the tests pass with a note, unless `RAYCELL_REQUIRE_GPU` is set.
 
+mod common;
+
 use raycell::engine::Engine;
 use raycell::gpu::device::{BackendChoice, list_adapters, open};
 use raycell::gpu::sentinel::{self, Counts};
@@ -21,19 +23,9 @@ use raycell::twin::winner::{Feature, Metric};
 use raycell::twin::{self, TwinEngine};
 use raycell::{Backend, Error, Params, Scene, bake, wgpu};
 
-/// A device, or a note that there is none.
+/// A device of the test's own: some leave its flags raised.
 fn gpu() -> Option<Gpu> {
-    match open(BackendChoice::Auto, None) {
-        Ok(open) => {
-            eprintln!("on {} ({:?}, {} {})", open.info.name, open.info.backend, open.info.driver, open.info.driver_info);
-            Some(Gpu::new(&open.device, &open.queue).unwrap())
-        }
-        Err(e) => {
-            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
-            eprintln!("skipped: {e}");
-            None
-        }
-    }
+    common::open()
 }
 
 /// Sizes that every cheap pass is tried at: empty, around a workgroup, ragged, beyond 65,535 workgroups.

@@ -1,7 +1,7 @@
 //! `checkpoint.rcell`: a [`Checkpoint`] in the container of solutions, every number as it lay in memory.
 
 use super::{Checkpoint, Key, Network, Pilot};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight};
 use crate::network::complex::Complex;
 use crate::network::growth::{Growth, Training};
@@ -10,7 +10,7 @@ use crate::output::report::Energy;
 use crate::radiosity::coefficients::Coefficients;
 use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
-use crate::solution::check;
+use crate::solution::{check, check::finite, sections};
 use crate::twin::jacobi::System;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -63,35 +63,22 @@ impl Checkpoint {
             refined: net.refined,
             energy: self.energy.clone(),
         };
-        let header =
-            serde_json::to_value(&header).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
         let pilot = self.pilot.as_ref();
         let system = net.coefficients.as_ref().map_or(&none, |c| &c.system);
-        rcell::write(
-            path,
-            &header,
-            &[
-                Section::new("tiles", self.tiles.as_deref().unwrap_or_default()),
-                Section::new("pilot_nodes", pilot.map_or(&[], |p| &p.nodes)),
-                Section::new("pilot_light", pilot.map_or(&[], |p| &p.light)),
-                Section::new("carried", pilot.map_or(&[], |p| &p.carried)),
-                Section::new("density", pilot.map_or(&[], |p| &p.density)),
-                Section::new("nodes", net.nodes.as_deref().unwrap_or_default()),
-                Section::new("direct", &net.direct),
-                Section::new("cells", growth.map_or(&[], |g| &g.cells)),
-                Section::new("simplices", growth.map_or(&[], |g| g.complex.simplices())),
-                Section::new("winners", &net.winners),
-                Section::new("cell_offsets", &system.cell_offsets),
-                Section::new("cell_links", &system.cell_links),
-                Section::new("source", &system.source),
-                Section::new("node_offsets", &system.node_offsets),
-                Section::new("node_links", &system.node_links),
-                Section::new("planes", &system.planes),
-                Section::new("node_source", &system.node_source),
-                Section::new("mass", net.coefficients.as_ref().map_or(&[], |c| &c.mass)),
-                Section::new("light", &net.light),
-            ],
-        )
+        let sections = [
+            Section::new("tiles", self.tiles.as_deref().unwrap_or_default()),
+            Section::new("pilot_nodes", pilot.map_or(&[], |p| &p.nodes)),
+            Section::new("pilot_light", pilot.map_or(&[], |p| &p.light)),
+            Section::new("carried", pilot.map_or(&[], |p| &p.carried)),
+            Section::new("density", pilot.map_or(&[], |p| &p.density)),
+            Section::new("nodes", net.nodes.as_deref().unwrap_or_default()),
+            Section::new("direct", &net.direct),
+            Section::new("cells", growth.map_or(&[], |g| &g.cells)),
+            Section::new("simplices", growth.map_or(&[], |g| g.complex.simplices())),
+            Section::new("winners", &net.winners),
+        ];
+        let rest = [Section::new("mass", net.coefficients.as_ref().map_or(&[], |c| &c.mass)), Section::new("light", &net.light)];
+        rcell::write(path, &header, &[&sections[..], &sections::of(system), &rest].concat())
     }
 
     /// Reads a checkpoint that was saved, or that a bake has [kept](Checkpoint::keep_in). What only the scene can
@@ -122,16 +109,7 @@ impl Checkpoint {
         let coefficients = match header.coefficients {
             None => None,
             Some((stored, dropped)) => {
-                let system = System {
-                    cell_offsets: file.get("cell_offsets")?,
-                    cell_links: file.get("cell_links")?,
-                    source: file.get("source")?,
-                    node_offsets: file.get("node_offsets")?,
-                    node_links: file.get("node_links")?,
-                    planes: file.get("planes")?,
-                    node_source: file.get("node_source")?,
-                };
-                Some(Coefficients { system, mass: file.get("mass")?, stored, dropped })
+                Some(Coefficients { system: sections::read(&file)?, mass: file.get("mass")?, stored, dropped })
             }
         };
         let pilot = match header.pilot {
@@ -167,7 +145,6 @@ impl Checkpoint {
     /// Checks lengths, indices and numbers against the scene and the number of rays, so that going on cannot
     /// fail on them. The first thing wrong, in words.
     pub(crate) fn check(&self, geometry: &Geometry, rays: u32) -> std::result::Result<(), &'static str> {
-        let finite = |x: &[f32]| x.iter().all(|x| x.is_finite());
         let amounts = |x: &[f64], many: usize| x.len() == many && x.iter().all(|x| x.is_finite() && *x >= 0.0);
         let tiles = geometry.tiles as usize;
         let tile = |d: &DirectSum| finite(&d.sum);

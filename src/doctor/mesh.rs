@@ -2,6 +2,7 @@
 //!
 //! Everything is indexed as [`Geometry::tris`] is; positions are local.
 
+use crate::disjoint::Disjoint;
 use crate::layout::NONE;
 use crate::scene::{Geometry, Scene};
 use glam::DVec3;
@@ -51,7 +52,7 @@ impl<'a> Mesh<'a> {
         let (vertices, corners) = weld(geometry);
         let mirror = mirrors(&corners);
         let (meetings, border) = edges(&corners, &mirror);
-        let mut groups = Groups::new(corners.len());
+        let mut groups = Disjoint::new(corners.len());
         for m in meetings.iter().filter(|m| m.agree) {
             groups.join(m.tris[0], m.tris[1]);
         }
@@ -198,42 +199,4 @@ fn edges(corners: &[[u32; 3]], mirror: &[u32]) -> (Vec<Meeting>, Vec<Side>) {
         }
     }
     (meetings, border)
-}
-
-/// Disjoint sets of numbers.
-struct Groups(Vec<u32>);
-
-impl Groups {
-    fn new(n: usize) -> Groups {
-        Groups((0..n as u32).collect())
-    }
-
-    fn find(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
-
-    /// The number of each one's set, counted from 0 in order of appearance.
-    fn numbers(mut self) -> Vec<u32> {
-        let mut number = vec![NONE; self.0.len()];
-        let mut count = 0;
-        (0..self.0.len() as u32)
-            .map(|i| {
-                let root = self.find(i) as usize;
-                if number[root] == NONE {
-                    number[root] = count;
-                    count += 1;
-                }
-                number[root]
-            })
-            .collect()
-    }
 }

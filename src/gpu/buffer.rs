@@ -81,23 +81,10 @@ impl<T: Pod> GpuVec<T> {
         if need > limits.max_buffer_size {
             return Err(too_large("max_buffer_size", need, limits.max_buffer_size));
         }
-        let name = format!("raycell.{label}");
-        let buffer = super::scoped(
-            device,
-            || format!("allocating {need} bytes for '{label}'"),
-            || {
-                let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(&name),
-                    size: need.next_multiple_of(4).max(MIN_BYTES).max(size_of::<T>() as u64),
-                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-                    mapped_at_creation: data.is_some(),
-                });
-                if let Some(data) = data {
-                    fill(&buffer, bytemuck::cast_slice(data));
-                }
-                buffer
-            },
-        )?;
+        use wgpu::BufferUsages as Usage;
+        let size = need.next_multiple_of(4).max(MIN_BYTES).max(size_of::<T>() as u64);
+        let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
+        let buffer = make(device, label, size, usage, data.map(bytemuck::cast_slice))?;
         total.fetch_add(buffer.size(), Ordering::Relaxed);
         let held = Arc::new(Held { bytes: buffer.size(), total: total.clone() });
         Ok(GpuVec { buffer, len, label, of: PhantomData, _held: held })
@@ -135,6 +122,29 @@ impl Gpu {
             Work::Clear { buffer: vec.buffer.clone(), start: 0, bytes: vec.buffer.size() },
         )
     }
+}
+
+/// A buffer of `size` bytes that begins with `bytes`, or holds zeros. Errors: [`Error::OutOfMemory`], [`Error::Device`].
+pub(super) fn make(
+    device: &wgpu::Device,
+    label: &str,
+    size: u64,
+    usage: wgpu::BufferUsages,
+    bytes: Option<&[u8]>,
+) -> Result<wgpu::Buffer> {
+    let name = format!("raycell.{label}");
+    let mapped_at_creation = bytes.is_some();
+    super::scoped(
+        device,
+        || format!("allocating {size} bytes for '{label}'"),
+        || {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: Some(&name), size, usage, mapped_at_creation });
+            if let Some(bytes) = bytes {
+                fill(&buffer, bytes);
+            }
+            buffer
+        },
+    )
 }
 
 /// Writes the contents of a buffer that was made mapped, and unmaps it. Where making it has failed, the

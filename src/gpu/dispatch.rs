@@ -205,46 +205,26 @@ impl Gpu {
 
     /// Runs a job, one submission a dispatch, so that no submission is long. Does not wait.
     pub fn run_job(&self, job: &Arc<Job>) -> Result<()> {
-        let queue = match &self.route {
-            Route::Queue(queue) => queue,
-            Route::Host(frames) => return frames.push(Work::Dispatch { job: job.clone(), first: 0 }),
-        };
-        for step in 0..job.items.div_ceil(job.chunk) as usize {
-            self.scoped(
-                || job.name.to_string(),
-                || {
-                    let mut encoder = self.device.create_command_encoder(&Default::default());
-                    let mut pass = encoder.begin_compute_pass(&Default::default());
-                    job.encode_step(step, &mut pass);
-                    drop(pass);
-                    queue.submit([encoder.finish()]);
-                },
-            )?;
+        for items in Job::ranges(job.items, job.chunk) {
+            self.hand(|| job.name.to_string(), Work::Dispatch { job: job.clone(), items })?;
         }
         Ok(())
     }
 
-    /// Runs short jobs one after the other, `times` over, in one submission. Does not wait.
+    /// Runs short jobs one after the other, `times` over, in one submission where raycell submits. Does not wait.
     pub fn run_jobs(&self, jobs: &[&Arc<Job>], times: usize) -> Result<()> {
-        let queue = match &self.route {
-            Route::Queue(queue) => queue,
-            Route::Host(frames) => {
-                let all = (0..times).flat_map(|_| jobs);
-                return all.into_iter().try_for_each(|&job| frames.push(Work::Dispatch { job: job.clone(), first: 0 }));
-            }
-        };
-        self.scoped(
-            || jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", "),
-            || {
-                let mut encoder = self.device.create_command_encoder(&Default::default());
-                let mut pass = encoder.begin_compute_pass(&Default::default());
-                for _ in 0..times {
-                    jobs.iter().for_each(|job| job.encode(&mut pass));
-                }
-                drop(pass);
-                queue.submit([encoder.finish()]);
-            },
-        )
+        let mut all = (0..times).flat_map(|_| jobs);
+        match &self.route {
+            Route::Host(_) => all.try_for_each(|job| self.run_job(job)),
+            Route::Queue(queue) => self.submit(
+                queue,
+                || jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", "),
+                |encoder| {
+                    let mut pass = encoder.begin_compute_pass(&Default::default());
+                    all.for_each(|job| job.encode(&mut pass));
+                },
+            ),
+        }
     }
 
     /// [`Gpu::prepare`] and [`Gpu::run_job`].

@@ -8,6 +8,7 @@ use super::Job;
 use super::work::Work;
 use crate::error::{Error, Result};
 use std::collections::{HashMap, VecDeque};
+use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
 use std::time::{Duration, Instant};
 
@@ -196,7 +197,7 @@ impl Frames {
         let mut left = PLANNED * budget;
         let in_time = |left: f64| left > 0.0 && start.elapsed().as_secs_f64() < budget;
 
-        state.record_others(encoder, &mut left, in_time);
+        state.record_others(device, encoder, &mut left, in_time);
         let slice = if in_time(left) && matches!(state.works.front(), Some(Work::Dispatch { .. })) {
             let stamps = timer.map(|timer| Stamps::new(device, timer));
             let writes = stamps.as_ref().map(Stamps::writes);
@@ -204,14 +205,14 @@ impl Frames {
                 encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raycell"), timestamp_writes: writes });
             let slice = state.record_dispatches(device, &mut pass, &mut left, in_time);
             drop(pass);
-            state.record_others(encoder, &mut left, in_time);
+            state.record_others(device, encoder, &mut left, in_time);
             Some((slice, stamps))
         } else if let Some(Work::Warm { .. }) = state.works.front() {
             // Compiling takes as long as it takes, and says nothing about slices.
             if let Some(work) = state.works.pop_front() {
-                work.record(encoder);
+                work.record(device, encoder);
             }
-            state.record_others(encoder, &mut left, in_time);
+            state.record_others(device, encoder, &mut left, in_time);
             None
         } else {
             None
@@ -248,13 +249,19 @@ impl Frames {
 
 impl State {
     /// Records what is neither dispatch nor warming, up to the first that is; long copies and clears in parts.
-    fn record_others(&mut self, encoder: &mut wgpu::CommandEncoder, left: &mut f64, in_time: impl Fn(f64) -> bool) {
+    fn record_others(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        left: &mut f64,
+        in_time: impl Fn(f64) -> bool,
+    ) {
         while in_time(*left) && !matches!(self.works.front(), None | Some(Work::Dispatch { .. } | Work::Warm { .. })) {
             let Some(mut work) = self.works.pop_front() else { return };
             let wanted = (*left * COPY_RATE) as u64;
             let rest = work.split(wanted.next_multiple_of(PIECE));
             *left -= work.bytes() as f64 / COPY_RATE;
-            work.record(encoder);
+            work.record(device, encoder);
             if let Some(rest) = rest {
                 self.works.push_front(rest);
             }
@@ -272,10 +279,11 @@ impl State {
         let alone = self.in_flight == 0;
         let mut slice = Slice { kernels: Vec::new(), dispatches: 0.0, planned: 0.0 };
         while in_time(*left) {
-            let Some(Work::Dispatch { job, first }) = self.works.front_mut() else { break };
+            let Some(Work::Dispatch { job, items: rest }) = self.works.front_mut() else { break };
+            let begins = rest.start == 0;
             let pace = self.paces.get_mut(job.name);
             let pace = pace.map(|pace| {
-                if *first == 0 {
+                if begins {
                     pace.seconds = pace.seconds.max(std::mem::take(&mut pace.slowest));
                 }
                 *pace
@@ -283,15 +291,15 @@ impl State {
             let items = match pace {
                 Some(pace) => {
                     // What a job's items cost is seen in its first slice.
-                    let wanted = if *first == 0 { *left * FIRST } else { *left };
-                    part(job, *first, (wanted / pace.seconds).min(GROWTH * pace.tried))
+                    let wanted = if begins { *left * FIRST } else { *left };
+                    part(job, rest, (wanted / pace.seconds).min(GROWTH * pace.tried))
                 }
                 // Alone in its slice, and small, so that its time is its own.
-                None if alone && slice.kernels.is_empty() => part(job, *first, PROBE),
+                None if alone && slice.kernels.is_empty() => part(job, rest, PROBE),
                 None => break,
             };
-            let part = *first..*first + items;
-            job.encode_part(device, part.clone(), pass);
+            job.encode_part(device, rest.start..rest.start + items, pass);
+            rest.start += items;
             let share = job.share * f64::from(items);
             let seconds = pace.map_or(f64::NAN, |pace| pace.seconds * share + DISPATCH);
             match slice.kernels.iter_mut().find(|(name, _)| *name == job.name) {
@@ -302,13 +310,11 @@ impl State {
             slice.dispatches += 1.0;
             // Where it is not known how long it takes, that is enough.
             *left = if seconds.is_nan() { 0.0 } else { *left - seconds };
-            if part.end == job.items {
+            let done = rest.start == rest.end;
+            if done {
                 self.works.pop_front();
-            } else {
-                *first = part.end;
-                if part.start == 0 {
-                    break;
-                }
+            } else if begins {
+                break;
             }
         }
         slice
@@ -334,13 +340,13 @@ impl State {
     }
 }
 
-/// Items from `first` on that are recorded in one dispatch: about a share `wanted` of what the pass
-/// allows, within the job's chunk; whole workgroups where there are any.
-fn part(job: &Job, first: u32, wanted: f64) -> u32 {
+/// How many of the items that are left go into one dispatch: about a share `wanted` of what the pass
+/// allows; whole workgroups where there are any.
+fn part(job: &Job, rest: &Range<u32>, wanted: f64) -> u32 {
     let group = super::kernel::WORKGROUP;
     let items = ((wanted / job.share) as u32).max(1);
     let whole = if items > group { items - items % group } else { items };
-    whole.min(job.chunk).min(job.items - first)
+    whole.min(rest.len() as u32)
 }
 
 /// Two timestamps around a pass.

@@ -1,7 +1,7 @@
 //! Results for the host's own passes.
 
 use super::work::Work;
-use super::{Gpu, buffer::fill};
+use super::{Gpu, buffer};
 use crate::error::{Error, Result};
 
 /// Bytes of a row of texels are a multiple of this in a copy.
@@ -68,18 +68,6 @@ impl Gpu {
                 cure: "split the scene, or use a device with larger buffers",
             });
         }
-        self.scoped(
-            || format!("allocating {need} bytes for '{label}'"),
-            || {
-                let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some(&format!("raycell.{label}")),
-                    size: need.max(4),
-                    usage,
-                    mapped_at_creation: true,
-                });
-                fill(&buffer, bytes);
-                buffer
-            },
-        )
+        buffer::make(&self.device, label, need.max(4), usage, Some(bytes))
     }
 }

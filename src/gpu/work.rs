@@ -4,6 +4,7 @@
 use super::frames::Frames;
 use super::{Gpu, Job};
 use crate::error::Result;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Called once with what became of a mapping.
@@ -17,8 +18,8 @@ pub(crate) enum Work {
     Fill { from: wgpu::Buffer, bytes_per_row: u32, to: wgpu::Texture },
     /// Zero bits.
     Clear { buffer: wgpu::Buffer, start: u64, bytes: u64 },
-    /// Items of a job from `first` on.
-    Dispatch { job: Arc<Job>, first: u32 },
+    /// Items of a job, no more than it allows a dispatch.
+    Dispatch { job: Arc<Job>, items: Range<u32> },
     /// Jobs for no items at all, so that the driver's compiler runs.
     Warm { jobs: Vec<Arc<Job>> },
     /// Maps a staging buffer as soon as all before is done.
@@ -27,7 +28,7 @@ pub(crate) enum Work {
 
 impl Work {
     /// Records all of it.
-    pub(super) fn record(self, encoder: &mut wgpu::CommandEncoder) {
+    pub(super) fn record(self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder) {
         match self {
             Work::Copy { from, start, to, at, bytes } => encoder.copy_buffer_to_buffer(&from, start, &to, at, Some(bytes)),
             Work::Fill { from, bytes_per_row, to } => {
@@ -39,7 +40,7 @@ impl Work {
                 );
             }
             Work::Clear { buffer, start, bytes } => encoder.clear_buffer(&buffer, start, Some(bytes)),
-            Work::Dispatch { job, .. } => job.encode(&mut encoder.begin_compute_pass(&Default::default())),
+            Work::Dispatch { job, items } => job.encode_part(device, items, &mut encoder.begin_compute_pass(&Default::default())),
             Work::Warm { jobs } => {
                 let mut pass = encoder.begin_compute_pass(&Default::default());
                 jobs.iter().for_each(|job| job.encode_empty(&mut pass));
@@ -96,12 +97,22 @@ impl Gpu {
     /// Hands work over; does not wait. Errors: those of recording it; [`crate::Error::Cancelled`] where the host is gone.
     pub(super) fn hand(&self, stage: impl Fn() -> String, work: Work) -> Result<()> {
         match &self.route {
-            Route::Queue(queue) => self.scoped(stage, || {
-                let mut encoder = self.device.create_command_encoder(&Default::default());
-                work.record(&mut encoder);
-                queue.submit([encoder.finish()]);
-            }),
+            Route::Queue(queue) => self.submit(queue, stage, |encoder| work.record(&self.device, encoder)),
             Route::Host(frames) => frames.push(work),
         }
+    }
+
+    /// Submits what `record` records, by itself.
+    pub(super) fn submit(
+        &self,
+        queue: &wgpu::Queue,
+        stage: impl Fn() -> String,
+        record: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) -> Result<()> {
+        self.scoped(stage, || {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            record(&mut encoder);
+            queue.submit([encoder.finish()]);
+        })
     }
 }

@@ -74,8 +74,9 @@ struct Header {
 }
 
 /// Writes a container. Same input, same bytes. Errors: [`Error::Write`].
-pub fn write(path: &Path, data: &Value, sections: &[Section]) -> Result<()> {
+pub fn write(path: &Path, data: &impl Serialize, sections: &[Section]) -> Result<()> {
     let failed = |e: String| Error::Write { path: path.into(), source: std::io::Error::other(e) };
+    let data = serde_json::to_value(data).map_err(|e| failed(e.to_string()))?;
     // Offsets are part of the header whose length moves them: iterate until they stand (twice, as a rule).
     let mut start = 0;
     let header = loop {

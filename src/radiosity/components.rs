@@ -1,26 +1,17 @@
 //! Keeps rooms apart that see nothing of each other: a cell whose rays serve several of them is split,
 //! so that a dark room beside a lit one stays exactly dark.
 
+use crate::disjoint::Disjoint;
 use crate::layout::{NONE, Point, Psi, kind};
 use std::collections::HashMap;
 
 /// Sets of nodes that exchange light.
-pub struct Components {
-    parent: Vec<u32>,
-}
+pub struct Components(Disjoint);
 
 impl Components {
     /// Every node by itself.
     pub fn new(nodes: usize) -> Components {
-        Components { parent: (0..nodes as u32).collect() }
-    }
-
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.parent[i as usize] != i {
-            self.parent[i as usize] = self.parent[self.parent[i as usize] as usize];
-            i = self.parent[i as usize];
-        }
-        i
+        Components(Disjoint::new(nodes))
     }
 
     /// Joins the nodes at both ends of every ray that counts both ways.
@@ -35,15 +26,7 @@ impl Components {
                     if s.node[k] == NONE {
                         continue;
                     }
-                    let root = self.root(s.node[k]);
-                    if first == NONE {
-                        first = root;
-                    } else {
-                        // The lowest index stands for the set.
-                        let (a, b) = (first.min(root), first.max(root));
-                        self.parent[b as usize] = a;
-                        first = a;
-                    }
+                    first = if first == NONE { s.node[k] } else { self.0.join(first, s.node[k]) };
                 }
             }
         }
@@ -52,7 +35,7 @@ impl Components {
     /// The component that a ray serves, [`NONE`] where neither end has a node.
     fn of_ray(&mut self, psi: &[Psi]) -> u32 {
         let node = psi[0].node[0].min(psi[1].node[0]);
-        if node == NONE { NONE } else { self.root(node) }
+        if node == NONE { NONE } else { self.0.root(node) }
     }
 }
 

@@ -2,6 +2,7 @@
 //! start tiles and emitters.
 
 use super::{Scene, cumulative};
+use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use std::collections::HashMap;
@@ -302,20 +303,12 @@ fn twins(kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
 
 /// Gives both sides of a sheet one number, marked [`TWIN`], so that a ray that leaves one side meets neither.
 fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
-    let mut parent: Vec<u32> = (0..pieces).collect();
-    fn root(parent: &mut [u32], mut p: u32) -> u32 {
-        while parent[p as usize] != p {
-            parent[p as usize] = parent[parent[p as usize] as usize];
-            p = parent[p as usize];
-        }
-        p
-    }
+    let mut joined = Disjoint::new(pieces as usize);
     for (i, &t) in twins.iter().enumerate().filter(|(_, t)| **t != NONE) {
-        let (a, b) = (root(&mut parent, planes[i]), root(&mut parent, planes[t as usize]));
-        parent[a.max(b) as usize] = a.min(b);
+        joined.join(planes[i], planes[t as usize]);
     }
     for (plane, _) in planes.iter_mut().zip(twins).filter(|(_, t)| **t != NONE) {
-        *plane = root(&mut parent, *plane) | TWIN;
+        *plane = joined.root(*plane) | TWIN;
     }
 }
 

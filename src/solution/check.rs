@@ -10,7 +10,8 @@ type Checked = Result<(), &'static str>;
 /// How far a node may lie outside the unit box, and its normal's length off 1: rounding.
 const SLACK: f32 = 1e-3;
 
-fn finite(numbers: &[f32]) -> bool {
+/// Whether all are finite.
+pub(crate) fn finite(numbers: &[f32]) -> bool {
     numbers.iter().all(|x| x.is_finite())
 }
 

@@ -1,15 +1,14 @@
 //! `solution.rcell`: everything a query or a new solve needs, and nothing that differs between two
 //! bakes of one seed (no timings, no adapter, no path).
 
-use super::{Solution, check};
-use crate::error::{Error, Result};
+use super::{Solution, check, sections};
+use crate::error::Result;
 use crate::layout::{Node, NodeLight};
 use crate::network::nodes::surface_of;
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{Report, Seconds};
 use crate::params::Params;
 use crate::scene::{Face, Geometry, Material, Scene};
-use crate::twin::jacobi::System;
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -61,28 +60,16 @@ impl Solution {
             prepared: prepared(&self.geometry),
             report,
         };
-        let header =
-            serde_json::to_value(&header).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
         let faces: Vec<[u32; 5]> =
             (self.scene.faces.iter()).map(|f| [f.vertices[0], f.vertices[1], f.vertices[2], f.material, f.object]).collect();
-        rcell::write(
-            path,
-            &header,
-            &[
-                Section::new("vertices", &self.scene.vertices),
-                Section::new("faces", &faces),
-                Section::new("nodes", &self.surface.nodes),
-                Section::new("light", &self.light),
-                Section::new("cells", &self.cells),
-                Section::new("cell_offsets", &self.system.cell_offsets),
-                Section::new("cell_links", &self.system.cell_links),
-                Section::new("source", &self.system.source),
-                Section::new("node_offsets", &self.system.node_offsets),
-                Section::new("node_links", &self.system.node_links),
-                Section::new("planes", &self.system.planes),
-                Section::new("node_source", &self.system.node_source),
-            ],
-        )
+        let sections = [
+            Section::new("vertices", &self.scene.vertices),
+            Section::new("faces", &faces),
+            Section::new("nodes", &self.surface.nodes),
+            Section::new("light", &self.light),
+            Section::new("cells", &self.cells),
+        ];
+        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system)].concat())
     }
 
     /// Reads a solution that [`Solution::save`] has written, checking all of it.
@@ -126,15 +113,7 @@ impl Solution {
         let nodes: Vec<Node> = file.get("nodes")?;
         let light: Vec<NodeLight> = file.get("light")?;
         let cells: Vec<Feature> = file.get("cells")?;
-        let system = System {
-            cell_offsets: file.get("cell_offsets")?,
-            cell_links: file.get("cell_links")?,
-            source: file.get("source")?,
-            node_offsets: file.get("node_offsets")?,
-            node_links: file.get("node_links")?,
-            planes: file.get("planes")?,
-            node_source: file.get("node_source")?,
-        };
+        let system = sections::read(&file)?;
         check::nodes(&geometry, &nodes)
             .and_then(|()| check::light(&light, nodes.len()))
             .and_then(|()| check::system(&geometry, &system, nodes.len()))
@@ -153,6 +132,7 @@ fn prepared(geometry: &Geometry) -> [u32; 3] {
 mod tests {
     use super::*;
     use crate::engine::Backend;
+    use crate::error::Error;
     use crate::progress::Flow;
     use crate::solution::SurfacePoint;
 

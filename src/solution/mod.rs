@@ -3,6 +3,7 @@
 pub(crate) mod check;
 mod file;
 mod picture;
+pub(crate) mod sections;
 mod vertices;
 
 pub use picture::{Camera, Image};
