@@ -12,11 +12,13 @@ use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
-use crate::params::{Direct, Params};
+use crate::params::{Cells, Direct, Params, Solver};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::gauss_seidel::GaussSeidel;
+use crate::radiosity::solver::{self, Rule};
 use crate::radiosity::winding::Winding;
-use crate::radiosity::{coefficients, energy, solver};
+use crate::radiosity::{coefficients, energy};
 use crate::scene::{Geometry, Scene};
 use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
@@ -239,7 +241,10 @@ fn network<E: Engine>(
         // Grow the cells.
         let net = &mut saved.network;
         if net.growth.is_none() {
-            net.growth = Some(Growth::start(&engine.features(&batches[0], 0..lengths[0].min(FIRST_FEATURES))?));
+            net.growth = Some(match params.cells_from {
+                Cells::Trained => Growth::start(&engine.features(&batches[0], 0..lengths[0].min(FIRST_FEATURES))?),
+                Cells::Random => Growth::random(engine, &batches, &lengths, stage.cells as usize, ray_seed)?,
+            });
         }
         while let Some(growth) = saved.network.growth.as_mut().filter(|g| !g.done) {
             clock.time(engine, "grow", |engine| growth.epoch(engine, &mut batches, &lengths, stage.cells as usize))?;
@@ -308,22 +313,34 @@ fn network<E: Engine>(
         saved.keep(progress)?;
     }
 
-    // Solve.
+    // Solve. With exact direct light the nodes' rows begin with the second reflection; a refinement adds one.
     tell(progress, "solve")?;
+    let bounces = params.bounces.filter(|_| stage.told).map(|n| n - exact as u32);
+    let refinements = if exact { stage.refinements.min(bounces.unwrap_or(u32::MAX)) } else { 0 };
+    let by_cells = bounces.map(|n| n - refinements);
     let built = saved.network.coefficients.clone().unwrap_or_default();
     if saved.network.solved.is_none() {
         let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let rule = Rule::new(params, by_cells);
         let (light, solved) = clock.time(engine, "solve", |engine| {
-            engine.set_system(&built.system)?;
             let dark = vec![NodeLight::default(); surface.nodes.len()];
-            solver::solve(engine, geometry, dark, params.tolerance, params.max_sweeps, progress, &names)
+            match params.solver {
+                Solver::Jacobi => {
+                    engine.set_system(&built.system)?;
+                    solver::iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, &names)
+                }
+                Solver::GaussSeidel => {
+                    let host = GaussSeidel::new(&built.system, &geometry.materials);
+                    solver::iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, &names)
+                }
+            }
         })?;
         (saved.network.light, saved.network.solved) = (light, Some(solved));
         saved.keep(progress)?;
     }
 
     // Let the rays carry the solution on, each from its own end: what the cells leave out fades with every sweep.
-    while exact && saved.network.refined < stage.refinements {
+    while saved.network.refined < refinements {
         let net = &mut saved.network;
         net.light = clock.time(engine, "solve", |engine| {
             engine.set_light(&net.light)?;
