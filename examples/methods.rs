@@ -93,7 +93,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let read = |f: &dyn Fn(&raycell::layout::Point) -> glam::Vec3| {
                     let b: Vec<[f64; 3]> = (at.iter().zip(&answers))
                         .map(|(p, a)| {
-                            let Some(found) = geometry.locate(p.p, p.n) else { return a.b };
+                            // What is covered is black by any read-out.
+                            let found = geometry.locate(p.p, p.n).filter(|_| a.status == raycell::Status::Ok);
+                            let Some(found) = found else { return a.b };
                             let (b1, b2) = barycentric(&geometry.tris[found.tri as usize], found.p.into());
                             let h = f(&surface_point(geometry, found.tri, b1, b2));
                             let m = &scene.materials[geometry.tris[found.tri as usize].material as usize];

@@ -3,6 +3,7 @@
 mod fem;
 pub(crate) mod flux;
 mod patchwork;
+mod rays;
 
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
@@ -132,6 +133,7 @@ fn run<E: Engine>(
     match params.method {
         Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Fem => fem::run(engine, scene, geometry, params, saved, clock, progress),
-        Method::Hierarchical | Method::Rays => todo!(),
+        Method::Rays => rays::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Hierarchical => todo!(),
     }
 }
