@@ -96,7 +96,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                             // What is covered is black by any read-out.
                             let found = geometry.locate(p.p, p.n).filter(|_| a.status == raycell::Status::Ok);
                             let Some(found) = found else { return a.b };
-                            let (b1, b2) = barycentric(&geometry.tris[found.tri as usize], found.p.into());
+                            let (b1, b2) = barycentric(geometry.flatland, &geometry.tris[found.tri as usize], found.p.into());
                             let h = f(&surface_point(geometry, found.tri, b1, b2));
                             let m = &scene.materials[geometry.tris[found.tri as usize].material as usize];
                             [0, 1, 2].map(|k| {

@@ -168,7 +168,7 @@ impl Chart {
     /// A point of the chart as the passes know it.
     pub fn point(&self, geometry: &Geometry, p: DVec3) -> Point {
         let on = |t: u32| {
-            let (b1, b2) = barycentric(&geometry.tris[t as usize], p.as_vec3());
+            let (b1, b2) = barycentric(geometry.flatland, &geometry.tris[t as usize], p.as_vec3());
             (t, b1, b2, b1.min(b2).min(1.0 - b1 - b2))
         };
         if self.shape.sides == 2 {
