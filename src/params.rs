@@ -226,8 +226,8 @@ impl Params {
         within("tolerance", self.tolerance, 1e-9, 0.1, "give 1e-9 to 0.1")?;
         within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")?;
         within("patches", self.patches, 4, 32_768, "give 4 to 32768 patches")?;
-        if self.method == Method::Rays && self.solver != Solver::Jacobi {
-            let range = "rays carry all light at once; leave --solver out";
+        if matches!(self.method, Method::Rays | Method::Hierarchical) && self.solver != Solver::Jacobi {
+            let range = "rays and links carry all light at once; leave --solver out, or use --method network or fem";
             return Err(Error::InvalidParam { name: "solver", value: "gauss-seidel".into(), range });
         }
         if let Some(n) = self.bounces {

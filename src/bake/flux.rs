@@ -45,7 +45,8 @@ pub(super) struct Stage {
     cells: u32,
     nodes: usize,
     tiles: Vec<Tile>,
-    brightness: Vec<f64>,
+    /// What each tile sends.
+    pub brightness: Vec<f64>,
     density: Vec<f64>,
     refinements: u32,
     seeds: [u32; 3],

@@ -2,6 +2,7 @@
 
 mod fem;
 pub(crate) mod flux;
+mod hierarchical;
 mod patchwork;
 mod rays;
 
@@ -142,6 +143,6 @@ fn run<E: Engine>(
         Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Fem => fem::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Rays => rays::run(engine, scene, geometry, params, saved, clock, progress),
-        Method::Hierarchical => todo!(),
+        Method::Hierarchical => hierarchical::run(engine, scene, geometry, params, saved, clock, progress),
     }
 }

@@ -37,17 +37,24 @@ pub fn evaluations(x: &Patch, y: &Patch) -> u32 {
     EVALUATIONS.iter().find(|e| far >= e.0).map_or(NEAR, |e| e.1)
 }
 
-/// Appends the pairs of points that `n` evaluations of a pair of patches are made at.
-pub fn push_pairs(sampled: &Sampled, x: usize, y: usize, n: u32, points: &mut Vec<Point>, weights: &mut Vec<f32>) {
-    let h = hash(hash(x as u32).wrapping_add(y as u32)) as usize;
-    for s in 0..n as usize {
-        // Few evaluations take points from different rows and columns of both patches.
+/// Which points of both patches `n` evaluations of pair (x, y) are made at. Few take points from different rows and
+/// columns of both.
+pub fn places(x: u32, y: u32, n: u32) -> impl Iterator<Item = (usize, usize)> {
+    let h = hash(hash(x).wrapping_add(y)) as usize;
+    (0..n as usize).map(move |s| {
         let (a, b) = match n {
             NEAR => (s / POINTS, s % POINTS),
             _ if n as usize == POINTS => (s, h + 7 * s),
             _ => (h + 5 * s, (h >> 8) + 5 * (s ^ (h >> 16) & 3)),
         };
-        let (a, b) = (x * POINTS + a % POINTS, y * POINTS + b % POINTS);
+        (a % POINTS, b % POINTS)
+    })
+}
+
+/// Appends the pairs of points that `n` evaluations of a pair of patches are made at.
+fn push_pairs(sampled: &Sampled, x: usize, y: usize, n: u32, points: &mut Vec<Point>, weights: &mut Vec<f32>) {
+    for (a, b) in places(x as u32, y as u32, n) {
+        let (a, b) = (x * POINTS + a, y * POINTS + b);
         points.extend([sampled.points[a], sampled.points[b]]);
         weights.push(sampled.stretch[a] * sampled.stretch[b]);
     }

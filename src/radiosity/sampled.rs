@@ -1,7 +1,7 @@
 //! What patches see: stratified points on each, which of them are covered, how much of their view meets light-giving
 //! surfaces, and what direct light falls on them.
 
-use super::patches::{Mesh, Patch};
+use super::patches::{Chart, Mesh, Patch, Shape};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Node, NodeLight, Point, kind};
@@ -64,10 +64,10 @@ impl Sampled {
     ) -> Result<Sampled> {
         let mut out = Sampled::default();
         for (i, patch) in patches.iter().enumerate() {
-            for (u, v) in strata(patch.shape.sides, seed_of(seed, i as u32)) {
-                let (p, stretch) = patch.shape.at(u, v);
-                out.points.push(mesh.charts[patch.chart as usize].point(geometry, p));
-                out.stretch.push(stretch as f32);
+            let chart = &mesh.charts[patch.chart as usize];
+            for (p, stretch) in points_on(geometry, chart, &patch.shape, seed_of(seed, i as u32)) {
+                out.points.push(p);
+                out.stretch.push(stretch);
             }
         }
 
@@ -191,6 +191,14 @@ impl Sampled {
             })
             .collect()
     }
+}
+
+/// [`POINTS`] points on a part of a chart, and how many times the mean area each stands for.
+pub fn points_on(geometry: &Geometry, chart: &Chart, shape: &Shape, seed: u32) -> impl Iterator<Item = (Point, f32)> {
+    strata(shape.sides, seed).map(|(u, v)| {
+        let (p, stretch) = shape.at(u, v);
+        (chart.point(geometry, p), stretch as f32)
+    })
 }
 
 /// Places of [`POINTS`] points on a patch, one a stratum: squares of (u, v), or parts of a segment.
