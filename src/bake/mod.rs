@@ -1,12 +1,16 @@
 //! The bake: the one room that knows the order of the passes, a file a method.
 
+mod fem;
 pub(crate) mod flux;
+mod hierarchical;
+mod patchwork;
+mod rays;
 
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
-use crate::params::{Norm, Params};
+use crate::params::{Method, Norm, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::scene::{Geometry, Scene};
@@ -87,9 +91,9 @@ pub fn bake_from(
     }
     let mut clock = Clock::default();
     match backend {
-        Backend::Cpu => flux::run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
+        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
         Backend::Gpu(gpu) => {
-            flux::run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
+            run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
         }
     }
     let mut solution = saved.assemble(scene, &geometry, params, warnings);
@@ -123,4 +127,22 @@ pub fn bake_from(
         report.extra.insert(key.into(), value);
     }
     Ok(solution)
+}
+
+/// The method asked for.
+fn run<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    match params.method {
+        Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Fem => fem::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Rays => rays::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Hierarchical => hierarchical::run(engine, scene, geometry, params, saved, clock, progress),
+    }
 }

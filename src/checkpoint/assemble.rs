@@ -31,6 +31,7 @@ impl Checkpoint {
                 triangles: geometry.tris.len() as u64,
                 dropped: (geometry.degenerate.len() + geometry.duplicate.len()) as u64,
             },
+            method: word(&params.method),
             seed: params.seed,
             params: params.clone(),
             partial: !self.is_whole(),
@@ -40,22 +41,24 @@ impl Checkpoint {
             ..Report::default()
         };
         let (nodes, light, cells, system) = match (net, &self.pilot) {
-            (Network { nodes: Some(nodes), growth: Some(growth), coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
+            (Network { nodes: Some(nodes), growth, coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
                 report.coefficients = c.stored;
+                report.kernel_evaluations = c.evaluations;
                 report.solver = SolverReport {
-                    method: "jacobi".into(),
+                    method: word(&params.solver),
                     sweeps: solved.sweeps as u64,
                     residual: Some(solved.residual),
-                    error_bound: Some(solved.error_bound),
+                    // A series that is broken off has no fixed point.
+                    error_bound: params.bounces.is_none().then_some(solved.error_bound),
                 };
-                (nodes.clone(), light.clone(), growth.cells.clone(), c.system.clone())
+                (nodes.clone(), light.clone(), growth.as_ref().map_or(Vec::new(), |g| g.cells.clone()), c.system.clone())
             }
             (_, Some(pilot)) => (pilot.nodes.clone(), pilot.light.clone(), Vec::new(), unread(&pilot.nodes)),
             _ => (Vec::new(), Vec::new(), Vec::new(), unread(&[])),
         };
         report.cells = system.source.len() as u64;
         report.nodes = nodes.len() as u64;
-        report.rays = net.rays as u64;
+        report.rays = net.rays as u64 + net.coefficients.as_ref().map_or(0, |c| c.looks);
         let surface = surface_of(geometry, nodes, params.lambda as f32, true);
         Solution::new(scene.clone(), geometry.clone(), params.clone(), surface, light, cells, system, report)
     }
@@ -78,8 +81,13 @@ impl Checkpoint {
     }
 }
 
+/// A parameter's choice as it is spelled in files.
+fn word(choice: &impl serde::Serialize) -> String {
+    serde_json::to_value(choice).ok().and_then(|v| v.as_str().map(str::to_string)).unwrap_or_default()
+}
+
 /// The system of nodes that no cell speaks of.
-fn unread(nodes: &[Node]) -> System {
+pub(crate) fn unread(nodes: &[Node]) -> System {
     System {
         cell_offsets: vec![0],
         node_offsets: vec![0; nodes.len() + 1],

@@ -29,8 +29,8 @@ struct Header {
     nodes: bool,
     rays: u32,
     growth: Option<GrowthHeader>,
-    /// Slots stored, and the share of mass that was dropped.
-    coefficients: Option<(u64, f64)>,
+    /// Coefficients stored, the share of mass that was dropped, kernel evaluations, and rays that looked around.
+    coefficients: Option<(u64, f64, u64, u64)>,
     solved: Option<Solved>,
     refined: u32,
     energy: Option<Energy>,
@@ -58,7 +58,7 @@ impl Checkpoint {
             nodes: net.nodes.is_some(),
             rays: net.rays,
             growth: growth.map(|g| GrowthHeader { training: g.training, batch: g.batch, at: g.at, lloyd: g.lloyd, done: g.done }),
-            coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped)),
+            coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped, c.evaluations, c.looks)),
             solved: net.solved,
             refined: net.refined,
             energy: self.energy.clone(),
@@ -100,16 +100,22 @@ impl Checkpoint {
             None => None,
             Some(g) => {
                 let cells = file.get("cells")?;
-                let complex = Complex::from_simplices(cells.len(), file.get("simplices")?)
-                    .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?;
+                let simplices: Vec<[u32; 3]> = file.get("simplices")?;
+                // Cells that were not grown have no topology.
+                let complex = match simplices.is_empty() {
+                    true => Complex::default(),
+                    false => Complex::from_simplices(cells.len(), simplices)
+                        .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?,
+                };
                 let GrowthHeader { training, batch, at, lloyd, done } = g;
                 Some(Growth { cells, complex, training, batch, at, lloyd, done })
             }
         };
         let coefficients = match header.coefficients {
             None => None,
-            Some((stored, dropped)) => {
-                Some(Coefficients { system: sections::read(&file)?, mass: file.get("mass")?, stored, dropped })
+            Some((stored, dropped, evaluations, looks)) => {
+                let (system, mass) = (sections::read(&file)?, file.get("mass")?);
+                Some(Coefficients { system, mass, stored, dropped, evaluations, looks })
             }
         };
         let pilot = match header.pilot {
@@ -186,9 +192,10 @@ impl Checkpoint {
             }
         }
         // Each step rests on the ones before it.
-        let steps =
-            [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), net.growth.is_some(), net.nodes.is_some()];
-        if !steps.is_sorted() || (self.energy.is_some() && self.pilot.is_none()) {
+        let network = self.key.as_ref().is_none_or(Key::is_network);
+        let grown = net.growth.is_some() || (!network && net.coefficients.is_some());
+        let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), grown, net.nodes.is_some()];
+        if !steps.is_sorted() || (network && self.energy.is_some() && self.pilot.is_none()) {
             return Err("a step is there without those before it");
         }
         let lit: &[NodeLight] = &net.light;

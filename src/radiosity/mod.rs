@@ -1,7 +1,13 @@
-//! From the cells' footprints to a linear system, and its solution.
+//! From the cells' footprints, or from patches, to a linear system, and its solution.
 
 pub mod coefficients;
 pub mod components;
+pub mod display;
 pub mod energy;
+pub mod exchange;
+pub mod gauss_seidel;
+pub mod links;
+pub mod patches;
+pub mod sampled;
 pub mod solver;
 pub mod winding;
