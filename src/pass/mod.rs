@@ -16,6 +16,7 @@ pub mod gather;
 pub mod jacobi;
 pub mod kernel;
 pub mod readout;
+pub mod respond;
 pub mod shoot;
 pub mod winner;
 
@@ -45,6 +46,7 @@ pub(crate) const KERNELS: &[&Kernel] = &[
     &jacobi::BETA,
     &jacobi::UPDATE,
     &readout::KERNEL,
+    &respond::KERNEL,
     &shoot::KERNEL,
     &winner::KERNEL,
 ];
