@@ -26,10 +26,10 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "respond",
-    buffers: &[Access::Read, Access::Write, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
-};
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "respond",
+    &[Access::Read, Access::Write, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+);
 
 /// Sets the samples' outputs and sums what they leave in the cells.
 pub fn respond(gpu: &Gpu, net: Net, inputs: &GpuVec<Feature>, samples: &GpuVec<Sample>) -> Result<GpuVec<ResponseSums>> {
