@@ -9,13 +9,12 @@ use super::Clock;
 use crate::checkpoint::{Checkpoint, Pilot, once};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, NodeLight, Tile};
+use crate::layout::{DirectSum, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
-use crate::params::{Cells, Direct, Params, Solver};
+use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
-use crate::radiosity::gauss_seidel::GaussSeidel;
 use crate::radiosity::solver::{self, Rule};
 use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy};
@@ -374,20 +373,9 @@ fn network<E: Engine>(
     let by_cells = bounces.map(|n| n - refinements);
     let built = saved.network.coefficients.clone().unwrap_or_default();
     if saved.network.solved.is_none() {
-        let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
         let rule = Rule::new(params, by_cells);
         let (light, solved) = clock.time(engine, "solve", |engine| {
-            let dark = vec![NodeLight::default(); surface.nodes.len()];
-            match params.solver {
-                Solver::Jacobi => {
-                    engine.set_system(&built.system)?;
-                    solver::iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, &names)
-                }
-                Solver::GaussSeidel => {
-                    let host = GaussSeidel::new(&built.system, &geometry.materials);
-                    solver::iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, &names)
-                }
-            }
+            solver::solve(engine, scene, geometry, &built.system, params.solver, rule, progress)
         })?;
         (saved.network.light, saved.network.solved) = (light, Some(solved));
         saved.keep(progress)?;

@@ -3,6 +3,7 @@
 mod fem;
 pub(crate) mod flux;
 mod hierarchical;
+pub(crate) mod paper;
 mod patchwork;
 mod rays;
 
@@ -10,7 +11,7 @@ use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
-use crate::params::{Method, Norm, Params};
+use crate::params::{Method, Mode, Norm, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::scene::{Geometry, Scene};
@@ -121,6 +122,7 @@ pub fn bake_from(
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
         ("stages", serde_json::json!(clock.seconds)),
+        ("learned", serde_json::json!(saved.learned)),
         // Times are then those since the bake went on.
         ("resumed", serde_json::json!(resumed)),
     ] {
@@ -129,7 +131,7 @@ pub fn bake_from(
     Ok(solution)
 }
 
-/// The method asked for.
+/// The order of passes of the method asked for.
 fn run<E: Engine>(
     engine: &mut E,
     scene: &Scene,
@@ -140,7 +142,10 @@ fn run<E: Engine>(
     progress: &mut Progress,
 ) -> Result<()> {
     match params.method {
-        Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Network => match params.mode {
+            Mode::Flux => flux::run(engine, scene, geometry, params, saved, clock, progress),
+            Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
+        },
         Method::Fem => fem::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Rays => rays::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Hierarchical => hierarchical::run(engine, scene, geometry, params, saved, clock, progress),

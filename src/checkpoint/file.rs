@@ -1,6 +1,6 @@
 //! `checkpoint.rcell`: a [`Checkpoint`] in the container of solutions, every number as it lay in memory.
 
-use super::{Checkpoint, Key, Network, Pilot};
+use super::{Checkpoint, Key, Learned, Network, Pilot};
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight};
 use crate::network::complex::Complex;
@@ -34,6 +34,8 @@ struct Header {
     solved: Option<Solved>,
     refined: u32,
     energy: Option<Energy>,
+    #[serde(default)]
+    learned: Option<Learned>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -62,6 +64,7 @@ impl Checkpoint {
             solved: net.solved,
             refined: net.refined,
             energy: self.energy.clone(),
+            learned: self.learned.clone(),
         };
         let pilot = self.pilot.as_ref();
         let system = net.coefficients.as_ref().map_or(&none, |c| &c.system);
@@ -74,7 +77,8 @@ impl Checkpoint {
             Section::new("nodes", net.nodes.as_deref().unwrap_or_default()),
             Section::new("direct", &net.direct),
             Section::new("cells", growth.map_or(&[], |g| &g.cells)),
-            Section::new("simplices", growth.map_or(&[], |g| g.complex.simplices())),
+            Section::new("learned_cells", self.learned.as_ref().map_or(&[], |l| &l.cells)),
+            Section::new("simplices", bytemuck::cast_slice::<u32, [u32; 3]>(growth.map_or(&[], |g| g.complex.simplices()))),
             Section::new("winners", &net.winners),
         ];
         let rest = [Section::new("mass", net.coefficients.as_ref().map_or(&[], |c| &c.mass)), Section::new("light", &net.light)];
@@ -103,8 +107,8 @@ impl Checkpoint {
                 let simplices: Vec<[u32; 3]> = file.get("simplices")?;
                 // Cells that were not grown have no topology.
                 let complex = match simplices.is_empty() {
-                    true => Complex::default(),
-                    false => Complex::from_simplices(cells.len(), simplices)
+                    true => Complex::empty(2),
+                    false => Complex::from_simplices(2, cells.len(), simplices.into_flattened())
                         .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?,
                 };
                 let GrowthHeader { training, batch, at, lloyd, done } = g;
@@ -142,6 +146,10 @@ impl Checkpoint {
                 solved: header.solved,
                 light: file.get("light")?,
                 refined: header.refined,
+            },
+            learned: match header.learned {
+                Some(learned) => Some(Learned { cells: file.get("learned_cells")?, ..learned }),
+                None => None,
             },
             energy: header.energy,
             home: None,
@@ -191,11 +199,15 @@ impl Checkpoint {
                 return Err("its coefficients do not fit its network");
             }
         }
+        if self.learned.as_ref().is_some_and(|l| !finite(l.cells.as_flattened())) {
+            return Err("its cells hold numbers that cannot be");
+        }
         // Each step rests on the ones before it.
         let network = self.key.as_ref().is_none_or(Key::is_network);
-        let grown = net.growth.is_some() || (!network && net.coefficients.is_some());
+        let grown = net.growth.is_some() || self.learned.is_some() || (!network && net.coefficients.is_some());
         let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), grown, net.nodes.is_some()];
-        if !steps.is_sorted() || (network && self.energy.is_some() && self.pilot.is_none()) {
+        let piloted = self.pilot.is_some() || self.learned.is_some() || !network;
+        if !steps.is_sorted() || (self.energy.is_some() && !piloted) {
             return Err("a step is there without those before it");
         }
         let lit: &[NodeLight] = &net.light;

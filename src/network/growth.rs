@@ -72,7 +72,7 @@ impl Growth {
             f[0] += 1e-3 * cells.len() as f32;
             cells.push(f);
         }
-        Growth { cells, complex: Complex::triangle(), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: false }
+        Growth { cells, complex: Complex::simplex(2), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: false }
     }
 
     /// Rays drawn at random for cells, `count` of them where there are so many that count both ways; nothing is
@@ -88,7 +88,7 @@ impl Growth {
             first + seed_of(seed, c as u32) as usize % (end - first).max(1)
         };
         let cells = (0..count.min(sample.len())).map(|c| sample[place(c)]).collect();
-        Ok(Growth { cells, complex: Complex::default(), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: true })
+        Ok(Growth { cells, complex: Complex::empty(2), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: true })
     }
 
     /// An epoch on the way to `target` cells: shows the cells their share of the features of `batches`, which hold

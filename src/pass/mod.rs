@@ -16,6 +16,7 @@ pub mod gather;
 pub mod jacobi;
 pub mod kernel;
 pub mod readout;
+pub mod respond;
 pub mod shoot;
 pub mod winner;
 
@@ -41,6 +42,7 @@ const KERNELS: &[Kernel] = &[
     jacobi::BETA,
     jacobi::UPDATE,
     readout::KERNEL,
+    respond::KERNEL,
     winner::KERNEL,
 ];
 /// Those that look at surfaces, each once for every space.

@@ -6,6 +6,7 @@ pub mod display;
 pub mod energy;
 pub mod exchange;
 pub mod gauss_seidel;
+pub mod learned;
 pub mod links;
 pub mod patches;
 pub mod sampled;

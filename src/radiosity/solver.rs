@@ -1,10 +1,13 @@
 //! Sweeps of an iteration to a stated distance from its fixed point, or a stated number of them.
 
+use super::gauss_seidel::GaussSeidel;
+use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::layout::NodeLight;
-use crate::params::Params;
+use crate::params::{Params, Solver};
 use crate::progress::{Event, Progress};
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Scene};
+use crate::twin::jacobi::System;
 use serde::{Deserialize, Serialize};
 
 /// How a solve went.
@@ -38,6 +41,9 @@ fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
     (change, size)
 }
 
+/// Makes so many sweeps from a light.
+pub type Sweep<'a> = &'a mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>;
+
 /// When an iteration ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
@@ -62,7 +68,7 @@ impl Rule {
 ///
 /// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
 pub fn iterate(
-    sweep: &mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>,
+    sweep: Sweep,
     geometry: &Geometry,
     start: Vec<NodeLight>,
     rule: Rule,
@@ -123,13 +129,32 @@ pub fn iterate(
     Ok((light, solved))
 }
 
-/// A stated number of sweeps.
-fn series(
-    sweep: &mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>,
-    mut light: Vec<NodeLight>,
-    sweeps: u32,
+/// Solves a system of cells and nodes from darkness, on the device or on the host. Errors: those of [`iterate`].
+pub fn solve<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    system: &System,
+    solver: Solver,
+    rule: Rule,
     progress: &mut Progress,
 ) -> Result<(Vec<NodeLight>, Solved)> {
+    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+    let dark = vec![NodeLight::default(); system.planes.len()];
+    match solver {
+        Solver::Jacobi => {
+            engine.set_system(system)?;
+            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, &names)
+        }
+        Solver::GaussSeidel => {
+            let host = GaussSeidel::new(system, &geometry.materials);
+            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, &names)
+        }
+    }
+}
+
+/// A stated number of sweeps.
+fn series(sweep: Sweep, mut light: Vec<NodeLight>, sweeps: u32, progress: &mut Progress) -> Result<(Vec<NodeLight>, Solved)> {
     let mut solved = Solved::default();
     while solved.sweeps < sweeps {
         let now = SERIES.min(sweeps - solved.sweeps);
