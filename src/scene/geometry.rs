@@ -400,13 +400,16 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
             for v in kept[t].corners {
                 for &o in &at[&key(v)] {
                     let other = &kept[o as usize];
-                    // Rounding turns short segments.
-                    let turned = if flatland { (2e-7 / other.area.min(area)).powi(2) } else { 0.0 };
-                    let level = other.corners.iter().all(|c| dot(sub(c.map(f64::from), origin), normal).abs() < 1e-6);
+                    // Rounding turns a short segment by this angle, and the line that it tells.
+                    let turned = if flatland { 2e-7 / other.area.min(area) } else { 0.0 };
+                    let level = other.corners.iter().all(|c| {
+                        let off = sub(c.map(f64::from), origin);
+                        dot(off, normal).abs() < 1e-6 + turned * dot(off, off).sqrt()
+                    });
                     if plane[o as usize] == NONE
                         && (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
-                        && dot(other.normal, normal) > 1.0 - 1e-8 - turned
+                        && dot(other.normal, normal) > 1.0 - 1e-8 - turned * turned
                         && level
                     {
                         plane[o as usize] = pieces;
