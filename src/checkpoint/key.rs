@@ -1,7 +1,7 @@
 //! Which bake a checkpoint is of: everything that its contents depend on.
 
 use crate::engine::Backend;
-use crate::params::Params;
+use crate::params::{Method, Mode, Params};
 use crate::scene::{Geometry, Scene};
 use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,11 @@ impl Key {
     /// Rays of the bake.
     pub fn rays(&self) -> u32 {
         self.params.rays
+    }
+
+    /// Whether the bake trains a network of light rays: other methods have no such cells.
+    pub fn is_network(&self) -> bool {
+        self.params.method == Method::Network && self.params.mode == Mode::Flux
     }
 
     /// What the first difference is, in words; none where the keys agree.
