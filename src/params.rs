@@ -100,7 +100,7 @@ impl Norm {
 /// Nodes per square root of rays: where nodes carry gradients, more only add noise.
 const NODES_PER_ROOT: f64 = 1.4;
 /// The same in flatland.
-const FLAT_NODES_PER_ROOT: f64 = 0.4;
+const FLAT_NODES_PER_ROOT: f64 = 0.6;
 /// The same in paper mode, whose nodes carry values alone, for each kernel evaluation.
 const PAPER_NODES_PER_ROOT: f64 = 2.0;
 /// Planar pieces beyond which each gets a node.
@@ -117,7 +117,7 @@ pub struct Params {
     /// Cells (reference rays) of the network, 16 to 100,000; default `rays/512`, where the
     /// refinements take their error out of the result; `rays/128` with `--direct network`.
     pub cells: Option<u32>,
-    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)` (`0.4 sqrt(rays)` in
+    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)` (`0.6 sqrt(rays)` in
     /// flatland), plus one for each planar piece where there are more than 200, at most twice as many.
     pub nodes: Option<u32>,
     /// How direct light is carried.
