@@ -17,6 +17,23 @@ pub enum Direct {
     Network,
 }
 
+/// What the network learns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// The flow of light: cells are bundles of light rays.
+    #[default]
+    Flux,
+    /// The kernel itself, as the seed paper does (Bohn 1997): to reproduce it and to measure it.
+    Paper,
+}
+
+impl Mode {
+    fn is_flux(&self) -> bool {
+        *self == Mode::Flux
+    }
+}
+
 /// How light is carried between surfaces: the network, or a classical method to hold it against.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -52,23 +69,6 @@ pub enum Cells {
     Trained,
     /// Rays drawn at random: what growth is held against.
     Random,
-}
-
-/// What the network learns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// The flow of light: cells are bundles of light rays.
-    #[default]
-    Flux,
-    /// The kernel itself, as the seed paper does (Bohn 1997): to reproduce it and to measure it.
-    Paper,
-}
-
-impl Mode {
-    fn is_flux(&self) -> bool {
-        *self == Mode::Flux
-    }
 }
 
 /// How flatland's kernel is normalised.
@@ -156,6 +156,12 @@ pub struct Params {
     pub tolerance: f64,
     /// Most sweeps of the solver, 1 to 1,000,000; default 20,000.
     pub max_sweeps: u32,
+    /// What the network learns.
+    #[serde(default, skip_serializing_if = "Mode::is_flux")]
+    pub mode: Mode,
+    /// What [`Mode::Paper`] goes by.
+    #[serde(default, skip_serializing_if = "PaperParams::is_default")]
+    pub paper: PaperParams,
     /// What carries the light.
     #[serde(default)]
     pub method: Method,
@@ -173,12 +179,6 @@ pub struct Params {
     /// Where the network's cells come from.
     #[serde(default)]
     pub cells_from: Cells,
-    /// What the network learns.
-    #[serde(default, skip_serializing_if = "Mode::is_flux")]
-    pub mode: Mode,
-    /// What [`Mode::Paper`] goes by.
-    #[serde(default, skip_serializing_if = "PaperParams::is_default")]
-    pub paper: PaperParams,
 }
 
 fn patches() -> u32 {
@@ -208,13 +208,13 @@ impl Default for Params {
             refinements: 2,
             tolerance: 1e-5,
             max_sweeps: 20_000,
+            mode: Mode::Flux,
+            paper: PaperParams::default(),
             method: Method::Network,
             patches: 1_600,
             solver: Solver::Jacobi,
             bounces: None,
             cells_from: Cells::Trained,
-            mode: Mode::Flux,
-            paper: PaperParams::default(),
         }
     }
 }
@@ -258,6 +258,10 @@ impl Params {
                 let range = "the series of reflections is what Jacobi's sweeps are; leave --solver or --bounces out";
                 return Err(Error::InvalidParam { name: "solver", value: "gauss-seidel".into(), range });
             }
+        }
+        if self.mode == Mode::Paper && self.method != Method::Network {
+            let range = "the paper's method is a network; leave --method or --mode out";
+            return Err(Error::InvalidParam { name: "mode", value: "paper".into(), range });
         }
         self.paper.check()
     }

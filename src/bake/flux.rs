@@ -15,9 +15,8 @@ use crate::network::{nodes, tiles, tiles::mean};
 use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
-use crate::radiosity::solver::{self, Rule};
 use crate::radiosity::winding::Winding;
-use crate::radiosity::{coefficients, energy};
+use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
 use crate::stream::{Stream, stream};
 use crate::twin::assign::Surface;
@@ -373,10 +372,9 @@ fn network<E: Engine>(
     let by_cells = bounces.map(|n| n - refinements);
     let built = saved.network.coefficients.clone().unwrap_or_default();
     if saved.network.solved.is_none() {
-        let rule = Rule::new(params, by_cells);
-        let (light, solved) = clock.time(engine, "solve", |engine| {
-            solver::solve(engine, scene, geometry, &built.system, params.solver, rule, progress)
-        })?;
+        let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let (light, solved) = clock
+            .time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, by_cells, progress, &names))?;
         (saved.network.light, saved.network.solved) = (light, Some(solved));
         saved.keep(progress)?;
     }

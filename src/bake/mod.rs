@@ -142,10 +142,8 @@ fn run<E: Engine>(
     progress: &mut Progress,
 ) -> Result<()> {
     match params.method {
-        Method::Network => match params.mode {
-            Mode::Flux => flux::run(engine, scene, geometry, params, saved, clock, progress),
-            Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
-        },
+        Method::Network if params.mode == Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Fem => fem::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Rays => rays::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Hierarchical => hierarchical::run(engine, scene, geometry, params, saved, clock, progress),

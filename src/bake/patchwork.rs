@@ -1,4 +1,4 @@
-//! What the methods with patches share: the account of energy, by rays of its own.
+//! What the methods without light rays share: the account of energy, by rays of its own.
 
 use super::{Clock, flux::BATCH};
 use crate::checkpoint::Checkpoint;
@@ -12,7 +12,8 @@ use crate::scene::Geometry;
 use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
 
-/// Where did every watt go? A network asks the rays that it has; patches have none, so these are shot for it alone.
+/// Where did every watt go? A flux network asks the rays that it has; patches and the
+/// paper's network have none, so these are shot for it alone.
 pub fn account<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,

@@ -83,15 +83,15 @@ impl Checkpoint {
     }
 }
 
-/// A parameter's choice as it is spelled in files.
-fn word(choice: &impl serde::Serialize) -> String {
-    serde_json::to_value(choice).ok().and_then(|v| v.as_str().map(str::to_string)).unwrap_or_default()
-}
-
 /// The cells of a trained network.
 fn cells(growth: &Option<Growth>, learned: &Option<Learned>) -> Vec<Feature> {
     let trained = growth.as_ref().map(|g| &g.cells).or(learned.as_ref().map(|l| &l.cells));
     trained.cloned().unwrap_or_default()
+}
+
+/// A parameter's choice as it is spelled in files.
+fn word(choice: &impl serde::Serialize) -> String {
+    serde_json::to_value(choice).ok().and_then(|v| v.as_str().map(str::to_string)).unwrap_or_default()
 }
 
 /// The system of nodes that no cell speaks of.

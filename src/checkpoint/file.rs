@@ -107,7 +107,7 @@ impl Checkpoint {
                 let simplices: Vec<[u32; 3]> = file.get("simplices")?;
                 // Cells that were not grown have no topology.
                 let complex = match simplices.is_empty() {
-                    true => Complex::empty(2),
+                    true => Complex::empty(),
                     false => Complex::from_simplices(2, cells.len(), simplices.into_flattened())
                         .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?,
                 };
@@ -206,8 +206,7 @@ impl Checkpoint {
         let network = self.key.as_ref().is_none_or(Key::is_network);
         let grown = net.growth.is_some() || self.learned.is_some() || (!network && net.coefficients.is_some());
         let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), grown, net.nodes.is_some()];
-        let piloted = self.pilot.is_some() || self.learned.is_some() || !network;
-        if !steps.is_sorted() || (self.energy.is_some() && !piloted) {
+        if !steps.is_sorted() || (network && self.energy.is_some() && self.pilot.is_none()) {
             return Err("a step is there without those before it");
         }
         let lit: &[NodeLight] = &net.light;

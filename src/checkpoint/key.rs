@@ -1,7 +1,7 @@
 //! Which bake a checkpoint is of: everything that its contents depend on.
 
 use crate::engine::Backend;
-use crate::params::{Method, Params};
+use crate::params::{Method, Mode, Params};
 use crate::scene::{Geometry, Scene};
 use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
@@ -47,9 +47,9 @@ impl Key {
         self.params.rays
     }
 
-    /// Whether the bake trains a network: other methods have no cells.
+    /// Whether the bake trains a network of light rays: other methods have no such cells.
     pub fn is_network(&self) -> bool {
-        self.params.method == Method::Network
+        self.params.method == Method::Network && self.params.mode == Mode::Flux
     }
 
     /// What the first difference is, in words; none where the keys agree.

@@ -17,9 +17,9 @@ impl Complex {
         Complex { corners: k + 1, simplices: (0..=k as u32).collect(), of_cell: vec![vec![0]; k + 1] }
     }
 
-    /// No cells at all.
-    pub fn empty(k: usize) -> Complex {
-        Complex { corners: k + 1, simplices: Vec::new(), of_cell: Vec::new() }
+    /// No simplex at all: the complex of cells that were not grown.
+    pub fn empty() -> Complex {
+        Complex { corners: 3, simplices: Vec::new(), of_cell: Vec::new() }
     }
 
     /// The complex of dimension `k` that [`Complex::simplices`] of `cells` cells described. None where a simplex

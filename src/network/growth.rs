@@ -88,7 +88,7 @@ impl Growth {
             first + seed_of(seed, c as u32) as usize % (end - first).max(1)
         };
         let cells = (0..count.min(sample.len())).map(|c| sample[place(c)]).collect();
-        Ok(Growth { cells, complex: Complex::empty(2), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: true })
+        Ok(Growth { cells, complex: Complex::empty(), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: true })
     }
 
     /// An epoch on the way to `target` cells: shows the cells their share of the features of `batches`, which hold

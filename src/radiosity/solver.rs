@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::layout::NodeLight;
 use crate::params::{Params, Solver};
 use crate::progress::{Event, Progress};
-use crate::scene::{Geometry, Scene};
+use crate::scene::Geometry;
 use crate::twin::jacobi::System;
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +59,31 @@ impl Rule {
     /// The rule of a bake whose sweeps add `bounces` reflections at most.
     pub fn new(params: &Params, bounces: Option<u32>) -> Rule {
         Rule { tolerance: params.tolerance, max_sweeps: params.max_sweeps, exactly: bounces }
+    }
+}
+
+/// Solves a system from darkness with the solver asked for: all reflections, or `bounces` sweeps. Errors: those of
+/// [`iterate`].
+pub fn solve<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    system: &System,
+    params: &Params,
+    bounces: Option<u32>,
+    progress: &mut Progress,
+    names: &[String],
+) -> Result<(Vec<NodeLight>, Solved)> {
+    let dark = vec![NodeLight::default(); system.planes.len()];
+    let rule = Rule::new(params, bounces);
+    match params.solver {
+        Solver::Jacobi => {
+            engine.set_system(system)?;
+            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, names)
+        }
+        Solver::GaussSeidel => {
+            let host = GaussSeidel::new(system, &geometry.materials);
+            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, names)
+        }
     }
 }
 
@@ -127,30 +152,6 @@ pub fn iterate(
         }
     }
     Ok((light, solved))
-}
-
-/// Solves a system of cells and nodes from darkness, on the device or on the host. Errors: those of [`iterate`].
-pub fn solve<E: Engine>(
-    engine: &mut E,
-    scene: &Scene,
-    geometry: &Geometry,
-    system: &System,
-    solver: Solver,
-    rule: Rule,
-    progress: &mut Progress,
-) -> Result<(Vec<NodeLight>, Solved)> {
-    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
-    let dark = vec![NodeLight::default(); system.planes.len()];
-    match solver {
-        Solver::Jacobi => {
-            engine.set_system(system)?;
-            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, &names)
-        }
-        Solver::GaussSeidel => {
-            let host = GaussSeidel::new(system, &geometry.materials);
-            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, &names)
-        }
-    }
 }
 
 /// A stated number of sweeps.
