@@ -37,6 +37,8 @@ Examples:
       Finer: the error falls about as rays^-0.3. Another seed shows how much is noise.
   raycell bake room.obj --rays 4194304 --seed 7 --resume
       Go on with that bake after Ctrl-C, a lost device or a power cut: the result is the same, to the byte.
+  raycell bake room.obj --method fem --patches 3200 --solver gauss-seidel
+      The same room by finite elements, to compare; --bounces 1 shows the first reflection alone.
   raycell bake room.obj --json --quiet
       For scripts: the report, and nothing else, on stdout.
   raycell bake room.obj --backend cpu --rays 16384

@@ -25,8 +25,54 @@ pub struct Network {
     /// How the kernel of a flatland scene is normalised [default: lambert].
     #[arg(long, value_enum)]
     pub norm: Option<Norm>,
+    /// What carries light between surfaces: the network, or a classical method to compare it with [default: network].
+    #[arg(long, value_enum)]
+    pub method: Option<Method>,
+    /// Patches of --method fem, 4 to 32768; the hierarchical method divides some further [default: 1600].
+    #[arg(long)]
+    pub patches: Option<u32>,
+    /// How the linear system is solved [default: jacobi].
+    #[arg(long, value_enum)]
+    pub solver: Option<Solver>,
+    /// Reflections that are counted [default: all of them].
+    #[arg(long, value_name = "N")]
+    pub bounces: Option<u32>,
+    /// Times the rays carry the solution once more, 0 to 16; for comparisons.
+    #[arg(long, hide = true)]
+    pub refinements: Option<u32>,
+    /// Where cells come from; for comparisons.
+    #[arg(long, value_enum, hide = true)]
+    pub cells_from: Option<Cells>,
     #[command(flatten)]
     pub paper: Paper,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Method {
+    /// The neural mesh of light rays.
+    Network,
+    /// Finite elements: uniform patches, a form factor for each pair.
+    Fem,
+    /// Links between patches of a hierarchy, as coarse as their light allows.
+    Hierarchical,
+    /// Every light ray its own coefficient.
+    Rays,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Solver {
+    /// All nodes at once.
+    Jacobi,
+    /// One node after the other, on the host; with --method network or fem.
+    GaussSeidel,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Cells {
+    /// Grown and trained on the rays.
+    Trained,
+    /// Rays drawn at random.
+    Random,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -58,6 +104,23 @@ pub fn params(flags: &Network) -> Result<Params> {
         norm: flags.norm.map_or(default.norm, |n| match n {
             Norm::Lambert => params::Norm::Lambert,
             Norm::Paper1997 => params::Norm::Paper1997,
+        }),
+        method: flags.method.map_or(default.method, |m| match m {
+            Method::Network => params::Method::Network,
+            Method::Fem => params::Method::Fem,
+            Method::Hierarchical => params::Method::Hierarchical,
+            Method::Rays => params::Method::Rays,
+        }),
+        patches: flags.patches.unwrap_or(default.patches),
+        solver: flags.solver.map_or(default.solver, |s| match s {
+            Solver::Jacobi => params::Solver::Jacobi,
+            Solver::GaussSeidel => params::Solver::GaussSeidel,
+        }),
+        bounces: flags.bounces,
+        refinements: flags.refinements.unwrap_or(default.refinements),
+        cells_from: flags.cells_from.map_or(default.cells_from, |c| match c {
+            Cells::Trained => params::Cells::Trained,
+            Cells::Random => params::Cells::Random,
         }),
         ..default
     };
