@@ -153,11 +153,6 @@ def face(group, material, points):
     groups.setdefault((group, material), []).append([vertex(p) for p in points])
 
 
-def part(material):
-    """The object a face of the building belongs to."""
-    return "skylights" if material == "skylight" else "building"
-
-
 for axis in range(3):
     u, v = (axis + 1) % 3, (axis + 2) % 3
     for plane in range(1, size[axis]):
@@ -191,7 +186,7 @@ for axis in range(3):
                     p = [0, 0, 0]
                     p[axis], p[u], p[v] = lines[axis][plane], lines[u][i], lines[v][j]
                     points.append(p)
-                face(part(material), material, points)
+                face("building", material, points)
 
 
 def lathe(group, material, x, z, profile, sides):
