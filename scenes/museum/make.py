@@ -99,7 +99,7 @@ for x0, x1 in ((7, 7.4), (18.4, 18.8)):
     box((x0, 0, 2), (x1, 3.1, 4), None)
     box((x0, -0.2, 2), (x1, 0, 4), "stone floor")
 skylight(1.5, 5.5, 2, 4, 4.2, 0.7, 4)
-skylight(10, 15.8, 1.6, 5.4, 6, 0.9, 6)
+skylight(10, 15.8, 1.6, 5.4, 6, 0.9, 5)
 skylight(20.3, 24.3, 2, 4, 4.2, 0.7, 4)
 # The red room.
 painting((2, 1), 0, 1.9, 1.75, 1.3, 1.6, ["ochre", "cream", "crimson"], "gilt frame")
@@ -153,6 +153,7 @@ def face(group, material, points):
     groups.setdefault((group, material), []).append([vertex(p) for p in points])
 
 
+rectangles = []
 for axis in range(3):
     u, v = (axis + 1) % 3, (axis + 2) % 3
     for plane in range(1, size[axis]):
@@ -186,7 +187,28 @@ for axis in range(3):
                     p = [0, 0, 0]
                     p[axis], p[u], p[v] = lines[axis][plane], lines[u][i], lines[v][j]
                     points.append(p)
-                face("building", material, points)
+                rectangles.append((material, points))
+
+# Where the corner of one rectangle lies on the side of another, both get it: no edge ends in the middle of another.
+corners_on = {}  # by the line they lie on: its axis and its two fixed coordinates
+for _, points in rectangles:
+    for p in points:
+        for axis in range(3):
+            corners_on.setdefault((axis, p[(axis + 1) % 3], p[(axis + 2) % 3]), set()).add(p[axis])
+for material, points in rectangles:
+    ring = []
+    for p, q in zip(points, points[1:] + points[:1]):
+        axis = next(k for k in range(3) if p[k] != q[k])
+        low, high = sorted((p[axis], q[axis]))
+        between = [c for c in corners_on[axis, p[(axis + 1) % 3], p[(axis + 2) % 3]] if low < c < high]
+        ring.append(p)
+        ring += [p[:axis] + [c] + p[axis + 1 :] for c in sorted(between, reverse=p[axis] > q[axis])]
+    if len(ring) == 4:
+        face("building", material, ring)
+        continue
+    centre = [sum(p[k] for p in points) / 4 for k in range(3)]
+    for p, q in zip(ring, ring[1:] + ring[:1]):
+        face("building", material, [centre, p, q])
 
 
 def lathe(group, material, x, z, profile, sides):
