@@ -178,7 +178,7 @@ impl Baker {
         let Some(job) = self.job.take() else { return Ok(()) };
         let (device, frames, outcome) = (self.device.clone(), self.frames.clone(), self.outcome.clone());
         let work = move || {
-            let result = Gpu::hosted(&device, frames, pass::KERNELS).and_then(|gpu| job.run(Arc::new(gpu)));
+            let result = Gpu::hosted(&device, frames, &pass::kernels(&job.scene)).and_then(|gpu| job.run(Arc::new(gpu)));
             *outcome.lock().unwrap_or_else(|e| e.into_inner()) = Some(result);
         };
         let started = std::thread::Builder::new().name("raycell".into()).spawn(work);
@@ -205,7 +205,7 @@ impl Job {
         let solution = bake(&backend, &self.scene, &self.params, &mut self.progress)?;
 
         // Lay the light out by the scene's own corners.
-        let mesh = solution.vertices_with(&backend, &mut self.progress)?;
+        let mesh = solution.faces_with(&backend, &mut self.progress)?;
         let mut texels = vec![[0f32; 4]; 3 * self.scene.faces.len()];
         for (face, &source) in mesh.faces.iter().zip(&mesh.sources) {
             for (corner, &v) in face.iter().enumerate() {
@@ -230,6 +230,7 @@ impl Job {
             }
             None => None,
         };
+        let mesh = solution.drawn(mesh);
         Ok(Baked { solution, light, light_texture, mesh, picture })
     }
 }

@@ -9,6 +9,7 @@ use crate::twin::coefficients::Sums;
 use crate::twin::direct::Samples;
 use crate::twin::gather::Gathered;
 use crate::twin::jacobi::System;
+use crate::twin::respond::Responder;
 use crate::twin::winner::{Feature, Metric};
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,9 +27,10 @@ pub enum Backend {
 /// A machine that runs the passes over one prepared scene.
 ///
 /// Arrays live in [`Engine::Batch`]es: points, and what the passes have found about each of them.
+/// Of the supervised network it answers the passes of [`Responder`].
 /// Counts and ranges are in points unless a name says rays; a ray is two consecutive points.
 #[doc(hidden)]
-pub trait Engine {
+pub trait Engine: Responder {
     /// Points that live on the machine, with their direct light, weights, features and winners.
     type Batch;
 

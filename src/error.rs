@@ -48,6 +48,16 @@ pub enum Error {
         /// The scene's name.
         scene: String,
     },
+    /// A face of a flatland scene is no segment in the plane z = 0.
+    #[error(
+        "{place}: face {face} is no segment in the plane z = 0; a flatland scene has no others: give two ends, the second twice"
+    )]
+    NotFlat {
+        /// The scene's name.
+        place: String,
+        /// Face index, from 0.
+        face: usize,
+    },
     /// A vertex is NaN or infinite.
     #[error("{place}: vertex {index} is not finite ({value:?}); re-export the mesh")]
     InvalidVertex {

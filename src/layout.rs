@@ -317,3 +317,49 @@ pub struct NodeSource {
     /// The same along the second tangent.
     pub second: [Fixed; 3],
 }
+
+/// What a supervised network is shown: an input's best-matching cell, and the value to learn (16 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Sample {
+    /// Best-matching cell of the input, or [`NONE`].
+    pub winner: u32,
+    /// Value to learn, in [-1, 1].
+    pub goal: f32,
+    /// Importance weight, 0 to 32: one over the chance that the input was taken.
+    pub weight: f32,
+    /// What the network answers; `respond` sets it.
+    pub output: f32,
+}
+
+/// A cell's part of the output (64 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CellOutput {
+    /// Slope about the cell's centre; 0 unless cells are linear.
+    pub slope: [f32; FEATURE_DIM],
+    /// Value at the cell's centre.
+    pub value: f32,
+    /// Width of the activation.
+    pub width: f32,
+    /// Padding.
+    pub pad0: f32,
+}
+
+/// What a batch of samples leaves in a cell, in units of 2^-32 (144 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct ResponseSums {
+    /// Sums of the components of the inputs that it won.
+    pub feature: [Fixed; FEATURE_DIM],
+    /// Number of inputs won, in whole units of `lo`.
+    pub count: Fixed,
+    /// Sum of their weights.
+    pub share: Fixed,
+    /// Sum of weight times squared error: what the resource gains.
+    pub error: Fixed,
+    /// Sum of weight times activation times error, over all inputs that it answered.
+    pub gain: Fixed,
+    /// Sum of weight times activation.
+    pub activation: Fixed,
+}

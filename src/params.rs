@@ -14,8 +14,36 @@ pub enum Direct {
     Network,
 }
 
+/// How flatland's kernel is normalised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Norm {
+    /// cos cos / (2 r): what a diffuse line sends out arrives.
+    #[default]
+    Lambert,
+    /// cos cos / (2 pi r), as printed in Bohn's paper of 1997: of all light 1/pi arrives, the rest is lost. In three
+    /// dimensions the paper's kernel has the right norm, and this one is refused.
+    Paper1997,
+}
+
+impl Norm {
+    /// Share of the light that arrives.
+    pub fn share(self) -> f64 {
+        match self {
+            Norm::Lambert => 1.0,
+            Norm::Paper1997 => std::f64::consts::FRAC_1_PI,
+        }
+    }
+
+    fn is_lambert(&self) -> bool {
+        *self == Norm::Lambert
+    }
+}
+
 /// Nodes per square root of rays: where nodes carry gradients, more only add noise.
 const NODES_PER_ROOT: f64 = 1.4;
+/// The same in flatland.
+const FLAT_NODES_PER_ROOT: f64 = 0.4;
 /// Planar pieces beyond which each gets a node.
 const PIECES: u32 = 200;
 
@@ -30,11 +58,14 @@ pub struct Params {
     /// Cells (reference rays) of the network, 16 to 100,000; default `rays/512`, where the
     /// refinements take their error out of the result; `rays/128` with `--direct network`.
     pub cells: Option<u32>,
-    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)`, plus one for each
-    /// planar piece where there are more than 200, at most twice as many.
+    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)` (`0.4 sqrt(rays)` in
+    /// flatland), plus one for each planar piece where there are more than 200, at most twice as many.
     pub nodes: Option<u32>,
     /// How direct light is carried.
     pub direct: Direct,
+    /// How flatland's kernel is normalised.
+    #[serde(default, skip_serializing_if = "Norm::is_lambert")]
+    pub norm: Norm,
     /// Share alpha of starts drawn where light is expected, in [0, 0.95]; the rest covers the area uniformly. Default 0.7.
     pub alpha: f64,
     /// Exponent gamma of the light that starts are drawn by, in [0, 1]; default 0.7 (`--direct network`
@@ -76,6 +107,7 @@ impl Default for Params {
             cells: None,
             nodes: None,
             direct: Direct::Exact,
+            norm: Norm::Lambert,
             alpha: 0.7,
             gamma: 0.7,
             lambda: 0.3,
@@ -133,8 +165,9 @@ impl Params {
     }
 
     /// Nodes asked for, or the default for the number of rays in a scene of `pieces` planar pieces.
-    pub fn node_count(&self, pieces: u32) -> usize {
-        let base = (NODES_PER_ROOT * (self.rays as f64).sqrt()) as usize;
+    pub fn node_count(&self, pieces: u32, flatland: bool) -> usize {
+        let per_root = if flatland { FLAT_NODES_PER_ROOT } else { NODES_PER_ROOT };
+        let base = (per_root * (self.rays as f64).sqrt()) as usize;
         // A curved mesh has as many pieces as triangles: they may double the nodes at most.
         let more = if pieces > PIECES { (pieces as usize).min(base) } else { 0 };
         self.nodes.map_or(base + more, |n| n as usize)

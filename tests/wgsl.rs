@@ -108,6 +108,9 @@ fn records_match() {
         ("NodeSource", layout!(layout::NodeSource { value, first, second })),
         ("Link", layout!(layout::Link { other, value, first, second })),
         ("Plane", layout!(layout::Plane { i11, i12, i22, material })),
+        ("Sample", layout!(layout::Sample { winner, goal, weight, output })),
+        ("CellOutput", layout!(layout::CellOutput { slope, value, width, pad0 })),
+        ("ResponseSums", layout!(layout::ResponseSums { feature, count, share, error, gain, activation })),
     ];
     for (name, rust) in &records {
         let wgsl = layout_of(&module, name).unwrap_or_else(|| panic!("{name} is missing in wgsl/lib/layout.wgsl"));
@@ -171,6 +174,7 @@ fn parameters_match() {
         ("beta", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
         ("update", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
         ("readout", layout!(pass::readout::Params { base, count, pad0, pad1 })),
+        ("respond", layout!(pass::respond::Params { base, count, flag, linear, rows, pad0, pad1, pad2 })),
         ("gather", layout!(pass::gather::Params { base, count, flag, rays, first, end, lit, exact })),
     ];
     let listed: BTreeSet<&str> = params.iter().map(|(kernel, _)| *kernel).collect();

@@ -40,9 +40,8 @@ fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     let u = sobol4(k, seed);
     let drawn = invert_cdf(params.emitters, u.x);
     let there = emitters[drawn.index].tri;
-    let root = sqrt(drawn.place);
-    let v = unit(u.y);
-    let x = position(there, root * (1.0 - v), root * v);
+    let b = place_on(drawn.place, unit(u.y));
+    let x = position(there, b.x, b.y);
     let g = kernel_g(x, tris[there].normal, p, tris[tri].normal);
     let planes = vec2<u32>(tris[tri].plane, tris[there].plane);
     if g > 0.0 && planes.x != planes.y && !segment_blocked(p, x, planes) {
@@ -65,7 +64,7 @@ fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
         if total > 0.0 {
             let cos_y = dot3(n, direction);
             let cos_x = -dot3(tris[met.hit.tri].normal, direction);
-            let g = (cos_x / met.hit.t) * (cos_y / met.hit.t) / PI;
+            let g = geometric(cos_x, cos_y, met.hit.t);
             return emit * (g / (ne * total * params.emitter_density + nc * g));
         }
     }

@@ -29,6 +29,8 @@ const PILOT_RAYS: u32 = 65_536;
 const PILOT_CELLS: u32 = 512;
 /// Nodes of the pilot network.
 const PILOT_NODES: usize = 400;
+/// The same in flatland.
+const PILOT_FLAT_NODES: usize = 100;
 /// Rays in a batch.
 pub const BATCH: u32 = 65_536;
 /// Features that cells start from.
@@ -62,7 +64,7 @@ pub fn run<E: Engine>(
         return Ok(());
     }
     let exact = params.direct == Direct::Exact;
-    let count = params.node_count(geometry.pieces);
+    let count = params.node_count(geometry.pieces, geometry.flatland);
     if saved.pilot.is_none() {
         progress.event(Event::Stage { name: "pilot" })?;
         saved.pilot = Some(pilot(engine, scene, geometry, params, count, saved, clock, progress)?);
@@ -130,7 +132,7 @@ fn pilot<E: Engine>(
     let stage = Stage {
         rays: PILOT_RAYS.min(params.rays),
         cells: PILOT_CELLS,
-        nodes: PILOT_NODES,
+        nodes: if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES },
         tiles: &tiles::starts(geometry, &first, params.alpha),
         brightness: &first,
         density: &vec![1.0; geometry.tiles as usize],

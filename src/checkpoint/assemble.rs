@@ -18,7 +18,7 @@ impl Checkpoint {
     /// answered with direct light and what one final gather brings. Scene and parameters must be the bake's
     /// own. Errors: those of [`Scene::check`].
     pub fn solution(&self, scene: &Scene, params: &Params) -> Result<Solution> {
-        let geometry = Geometry::new(scene)?;
+        let geometry = Geometry::for_bake(scene, params)?;
         Ok(self.assemble(scene, &geometry, params, doctor::warnings(scene, &geometry)))
     }
 

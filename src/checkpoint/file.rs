@@ -79,7 +79,7 @@ impl Checkpoint {
                 Section::new("nodes", net.nodes.as_deref().unwrap_or_default()),
                 Section::new("direct", &net.direct),
                 Section::new("cells", growth.map_or(&[], |g| &g.cells)),
-                Section::new("simplices", growth.map_or(&[], |g| g.complex.simplices())),
+                Section::new("simplices", bytemuck::cast_slice::<u32, [u32; 3]>(growth.map_or(&[], |g| g.complex.simplices()))),
                 Section::new("winners", &net.winners),
                 Section::new("cell_offsets", &system.cell_offsets),
                 Section::new("cell_links", &system.cell_links),
@@ -113,7 +113,7 @@ impl Checkpoint {
             None => None,
             Some(g) => {
                 let cells = file.get("cells")?;
-                let complex = Complex::from_simplices(cells.len(), file.get("simplices")?)
+                let complex = Complex::from_simplices(2, cells.len(), file.get::<[u32; 3]>("simplices")?.into_flattened())
                     .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?;
                 let GrowthHeader { training, batch, at, lloyd, done } = g;
                 Some(Growth { cells, complex, training, batch, at, lloyd, done })

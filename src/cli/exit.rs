@@ -60,6 +60,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::Format { .. } => ("format", USAGE),
         Error::Strict { .. } => ("strict", USAGE),
         Error::EmptyScene { .. } => ("empty_scene", USAGE),
+        Error::NotFlat { .. } => ("not_flat", USAGE),
         Error::InvalidVertex { .. } => ("invalid_vertex", USAGE),
         Error::IndexOutOfRange { .. } => ("index_out_of_range", USAGE),
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),

@@ -63,8 +63,8 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
             log.warning("--unit, --up, --kd-space, --two-sided, --strict and --view are for scene files; this is a solution");
         }
         let n = &flags.network;
-        if n.seed.is_some() || n.rays.is_some() || n.cells.is_some() || n.direct.is_some() {
-            log.warning("--seed, --rays, --cells and --direct shape a bake; this solution is already baked");
+        if n.seed.is_some() || n.rays.is_some() || n.cells.is_some() || n.direct.is_some() || n.norm.is_some() {
+            log.warning("--seed, --rays, --cells, --direct and --norm shape a bake; this solution is already baked");
         }
         let solution = Solution::load(&flags.input)?;
         warn_if_partial(&solution, &log);

@@ -3,7 +3,7 @@
 use super::mesh::Mesh;
 use crate::layout::NONE;
 use crate::twin::math::{cosine_direction, seed_of, unit};
-use crate::twin::trace::{Ray, closest, position};
+use crate::twin::trace::{Ray, closest, place_on, position};
 use glam::Vec3;
 
 /// Nearer than this (local), a ray meets the neighbourhood it comes from.
@@ -53,15 +53,14 @@ impl Mesh<'_> {
     /// What is seen from a random place of a triangle, on its front or its back, and where it lies.
     pub fn look_from(&self, tri: u32, front: bool, dice: &mut Dice) -> (Sight, Vec3) {
         let t = &self.geometry.tris[tri as usize];
-        let root = dice.roll().sqrt();
-        let b1 = root * (1.0 - dice.roll());
+        let (b1, b2) = place_on(self.geometry.flatland, dice.roll(), dice.roll());
         let n = Vec3::from(t.normal) * if front { 1.0 } else { -1.0 };
-        self.look_about(position(t, b1, root - b1), n, t.plane, dice)
+        self.look_about(position(t, b1, b2), n, t.plane, dice)
     }
 
     /// What is seen from a place in a random, cosine-distributed direction about `n`, and where it lies.
     pub fn look_about(&self, p: Vec3, n: Vec3, plane: u32, dice: &mut Dice) -> (Sight, Vec3) {
-        let direction = cosine_direction(n, dice.roll(), dice.roll());
+        let direction = cosine_direction(self.geometry.flatland, n, dice.roll(), dice.roll());
         let sight = match self.look(p, direction, plane) {
             Sight::Front(_, t) | Sight::Back(_, t) if t < NEAR => self.look(p + direction * (2.0 * NEAR), direction, plane),
             sight => sight,

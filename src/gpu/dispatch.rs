@@ -176,7 +176,7 @@ impl Gpu {
 
     /// Compiles kernels, and has the driver compile them too, before there is work for them: on drivers
     /// that compile in the first submission this keeps later ones short.
-    pub(crate) fn warm_up_all(&self, kernels: &[&Kernel]) -> Result<()> {
+    pub(crate) fn warm_up_all(&self, kernels: &[Kernel]) -> Result<()> {
         let slots = kernels.iter().map(|k| k.buffers.len()).max().unwrap_or(0);
         let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> =
             (0..slots).map(|_| self.upload("stand-in", &[[0; STAND_IN]])).collect::<Result<_>>()?;

@@ -26,6 +26,23 @@ pub struct Kernel {
     pub name: &'static str,
     /// The storage buffers, at most eight.
     pub buffers: &'static [Access],
+    /// Values of its `override` constants, where they are not the shader's own; another pipeline each.
+    pub constants: Constants,
+}
+
+/// Names and values of `override` constants; a `bool` is 0 or 1.
+pub type Constants = &'static [(&'static str, u32)];
+
+impl Kernel {
+    /// A kernel with its shader's own constants.
+    pub const fn new(name: &'static str, buffers: &'static [Access]) -> Kernel {
+        Kernel { name, buffers, constants: &[] }
+    }
+
+    /// The kernel with other constants.
+    pub const fn with(self, constants: Constants) -> Kernel {
+        Kernel { constants, ..self }
+    }
 }
 
 /// A compiled kernel.
@@ -46,18 +63,19 @@ impl Gpu {
     /// Errors: [`Error::Device`] with file and line where the shader is refused.
     pub fn pipeline(&self, kernel: &Kernel) -> Result<Arc<Pipeline>> {
         let mut cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
-        if let Some(found) = cache.get(kernel.name) {
+        let key = (kernel.name, kernel.constants);
+        if let Some(found) = cache.get(&key) {
             return Ok(found.clone());
         }
         let made = Arc::new(self.compile(kernel)?);
-        cache.insert(kernel.name, made.clone());
+        cache.insert(key, made.clone());
         Ok(made)
     }
 
     /// Names and compile seconds of the kernels made so far, by name.
     pub fn compile_seconds(&self) -> Vec<(&'static str, f64)> {
         let cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
-        let mut all: Vec<_> = cache.iter().map(|(&name, p)| (name, p.seconds + p.warm.get().unwrap_or(&0.0))).collect();
+        let mut all: Vec<_> = cache.iter().map(|(&(name, _), p)| (name, p.seconds + p.warm.get().unwrap_or(&0.0))).collect();
         all.sort_by_key(|&(name, _)| name);
         all
     }
@@ -68,6 +86,7 @@ impl Gpu {
         let label = format!("raycell.{}", kernel.name);
         let composed = wgsl::compose_mapped(kernel.name);
         let stage = || format!("compiling {}", kernel.name);
+        let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, value.into())).collect();
 
         // Load the text; a refusal is retold with the true file and line.
         let loaded = self.scoped(stage, || {
@@ -109,7 +128,10 @@ impl Gpu {
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some("main"),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..wgpu::PipelineCompilationOptions::default()
+                },
                 cache: None,
             });
             Pipeline { pipeline, layout, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }

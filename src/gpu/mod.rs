@@ -27,7 +27,7 @@ pub use buffer::GpuVec;
 pub use dispatch::{HEAVY, Job, LIGHT};
 pub use failure::Watch;
 #[doc(hidden)]
-pub use kernel::{Access, Kernel, Pipeline};
+pub use kernel::{Access, Constants, Kernel, Pipeline};
 
 use crate::error::{Error, Result};
 use bytemuck::Pod;
@@ -43,7 +43,7 @@ pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
     route: Route,
-    kernels: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
+    kernels: Mutex<HashMap<(&'static str, Constants), Arc<Pipeline>>>,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
     /// Bytes that vectors hold on the device.
@@ -88,7 +88,7 @@ impl Gpu {
     }
 
     /// As [`Gpu::new`], for work that waits for the host's frames; the first of them compiles `kernels`.
-    pub(crate) fn hosted(device: &wgpu::Device, frames: Arc<Frames>, kernels: &[&Kernel]) -> Result<Gpu> {
+    pub(crate) fn hosted(device: &wgpu::Device, frames: Arc<Frames>, kernels: &[Kernel]) -> Result<Gpu> {
         let gpu = Self::routed(device, Route::Host(frames))?;
         gpu.warm_up_all(kernels)?;
         sentinel::check(&gpu)?;

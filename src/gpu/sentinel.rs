@@ -23,7 +23,7 @@ pub struct Params {
     pub bits: u32,
 }
 
-pub(crate) const KERNEL: Kernel = Kernel { name: "sentinel", buffers: &[Access::Write] };
+pub(crate) const KERNEL: Kernel = Kernel::new("sentinel", &[Access::Write]);
 
 /// What the sentinel counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ macro_rules! sources {
 }
 
 /// Kernels: name and source. Every `wgsl/*.wgsl` is listed; `tests/wgsl.rs` checks that.
-pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather"];
+pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather", "respond"];
 
 /// Modules that kernels import: name and source.
 pub const LIBS: &[(&str, &str)] =

@@ -1,31 +1,43 @@
-//! The cells' topology: a simplicial complex of triangles (k = 2), after growing cell structures
-//! (Fritzke 1994): insertion splits an edge with all its simplices, deletion keeps what still holds.
+//! The cells' topology: a complex of k-dimensional simplices, after growing cell structures (Fritzke 1994):
+//! insertion splits an edge with all its simplices, deletion keeps what still holds.
 
-/// Triangles over cells, with the inverse table.
-#[derive(Clone, Debug, Default)]
+/// Simplices of one dimension over cells, with the inverse table.
+#[derive(Clone, Debug)]
 pub struct Complex {
-    simplices: Vec<[u32; 3]>,
+    /// Cells of a simplex: k + 1.
+    corners: usize,
+    /// The simplices' cells, `corners` each.
+    simplices: Vec<u32>,
     of_cell: Vec<Vec<u32>>,
 }
 
 impl Complex {
-    /// One triangle over cells 0, 1, 2.
-    pub fn triangle() -> Complex {
-        Complex { simplices: vec![[0, 1, 2]], of_cell: vec![vec![0]; 3] }
+    /// One simplex of dimension `k` (1: an edge, 2: a triangle) over cells 0 to k.
+    pub fn simplex(k: usize) -> Complex {
+        Complex { corners: k + 1, simplices: (0..=k as u32).collect(), of_cell: vec![vec![0]; k + 1] }
     }
 
-    /// The complex that [`Complex::simplices`] of `cells` cells described. None where a simplex repeats a cell or
-    /// names one that is not there, or a cell is in no simplex.
-    pub fn from_simplices(cells: usize, simplices: Vec<[u32; 3]>) -> Option<Complex> {
+    /// The complex of dimension `k` that [`Complex::simplices`] of `cells` cells described. None where a simplex
+    /// repeats a cell or names one that is not there, or a cell is in no simplex.
+    pub fn from_simplices(k: usize, cells: usize, simplices: Vec<u32>) -> Option<Complex> {
+        let corners = k + 1;
+        if !simplices.len().is_multiple_of(corners) {
+            return None;
+        }
         let mut of_cell = vec![Vec::new(); cells];
-        for (i, s) in simplices.iter().enumerate() {
+        for (i, s) in simplices.chunks_exact(corners).enumerate() {
             for &c in s {
                 of_cell.get_mut(c as usize)?.push(i as u32);
             }
         }
         // The order in which a cell lists its simplices leaves no trace: splits and deletions work on sets.
-        let complex = Complex { simplices, of_cell };
+        let complex = Complex { corners, simplices, of_cell };
         complex.check().ok().map(|()| complex)
+    }
+
+    /// The dimension k of the simplices.
+    pub fn k(&self) -> usize {
+        self.corners - 1
     }
 
     /// Number of cells.
@@ -33,15 +45,27 @@ impl Complex {
         self.of_cell.len()
     }
 
-    /// The simplices.
-    pub fn simplices(&self) -> &[[u32; 3]] {
+    /// The cells of all simplices, k + 1 each.
+    pub fn simplices(&self) -> &[u32] {
         &self.simplices
+    }
+
+    /// The cells of a simplex.
+    fn simplex_at(&self, s: u32) -> &[u32] {
+        &self.simplices[s as usize * self.corners..(s as usize + 1) * self.corners]
+    }
+
+    /// All edges once, the lower cell first, ascending.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        (0..self.cells() as u32)
+            .flat_map(|c| self.neighbours(c).into_iter().filter(move |&n| n > c).map(move |n| [c, n]))
+            .collect()
     }
 
     /// Cells that share an edge with `cell`, ascending.
     pub fn neighbours(&self, cell: u32) -> Vec<u32> {
         let mut n: Vec<u32> =
-            self.of_cell[cell as usize].iter().flat_map(|&s| self.simplices[s as usize]).filter(|&c| c != cell).collect();
+            self.of_cell[cell as usize].iter().flat_map(|&s| self.simplex_at(s)).copied().filter(|&c| c != cell).collect();
         n.sort_unstable();
         n.dedup();
         n
@@ -62,15 +86,16 @@ impl Complex {
     pub fn split(&mut self, q: u32, f: u32) -> u32 {
         let new = self.of_cell.len() as u32;
         self.of_cell.push(Vec::new());
-        let sharing: Vec<u32> =
-            self.of_cell[q as usize].iter().copied().filter(|&s| self.simplices[s as usize].contains(&f)).collect();
+        let sharing: Vec<u32> = self.of_cell[q as usize].iter().copied().filter(|&s| self.simplex_at(s).contains(&f)).collect();
         debug_assert!(!sharing.is_empty(), "({q}, {f}) is no edge");
         for s in sharing {
             // The old simplex keeps q, its copy keeps f; both get the new cell.
-            let copy = self.simplices.len() as u32;
-            let old = self.simplices[s as usize];
-            self.simplices.push(old.map(|c| if c == q { new } else { c }));
-            self.simplices[s as usize] = old.map(|c| if c == f { new } else { c });
+            let copy = (self.simplices.len() / self.corners) as u32;
+            let old = self.simplex_at(s).to_vec();
+            self.simplices.extend(old.iter().map(|&c| if c == q { new } else { c }));
+            for c in &mut self.simplices[s as usize * self.corners..(s as usize + 1) * self.corners] {
+                *c = if *c == f { new } else { *c };
+            }
             self.of_cell[f as usize].retain(|&x| x != s);
             self.of_cell[f as usize].push(copy);
             self.of_cell[new as usize].extend([s, copy]);
@@ -87,12 +112,13 @@ impl Complex {
     /// Refuses (returns `None`, nothing changed) where no simplex would be left.
     /// Returns for each old cell its new index.
     pub fn delete(&mut self, doomed: &[bool]) -> Option<Vec<Option<u32>>> {
-        let kept: Vec<[u32; 3]> = self.simplices.iter().copied().filter(|s| s.iter().all(|&c| !doomed[c as usize])).collect();
+        let whole = |s: &&[u32]| s.iter().all(|&c| !doomed[c as usize]);
+        let kept: Vec<u32> = self.simplices.chunks_exact(self.corners).filter(whole).flatten().copied().collect();
         if kept.is_empty() {
             return None;
         }
         let mut used = vec![false; self.cells()];
-        for c in kept.iter().flatten() {
+        for c in &kept {
             used[*c as usize] = true;
         }
         let mut next = 0;
@@ -105,12 +131,10 @@ impl Complex {
                 })
             })
             .collect();
-        self.simplices = kept.into_iter().map(|s| s.map(|c| map[c as usize].unwrap_or(0))).collect();
+        self.simplices = kept.into_iter().map(|c| map[c as usize].unwrap_or(0)).collect();
         self.of_cell = vec![Vec::new(); next as usize];
-        for (i, s) in self.simplices.iter().enumerate() {
-            for &c in s {
-                self.of_cell[c as usize].push(i as u32);
-            }
+        for (i, &c) in self.simplices.iter().enumerate() {
+            self.of_cell[c as usize].push((i / self.corners) as u32);
         }
         Some(map)
     }
@@ -118,11 +142,11 @@ impl Complex {
     /// Checks every invariant: at least k + 1 cells, distinct corners, every cell in a simplex, both
     /// tables agree. Errors name the first violation.
     pub fn check(&self) -> Result<(), String> {
-        if self.cells() < 3 {
+        if self.cells() < self.corners {
             return Err(format!("{} cells are fewer than a simplex has", self.cells()));
         }
-        for (i, s) in self.simplices.iter().enumerate() {
-            if s[0] == s[1] || s[1] == s[2] || s[0] == s[2] {
+        for (i, s) in self.simplices.chunks_exact(self.corners).enumerate() {
+            if s.iter().enumerate().any(|(k, c)| s[..k].contains(c)) {
                 return Err(format!("simplex {i} {s:?} repeats a cell"));
             }
             for &c in s {
@@ -135,7 +159,7 @@ impl Complex {
             if list.is_empty() {
                 return Err(format!("cell {c} is in no simplex"));
             }
-            if let Some(s) = list.iter().find(|&&s| !self.simplices[s as usize].contains(&(c as u32))) {
+            if let Some(s) = list.iter().find(|&&s| !self.simplex_at(s).contains(&(c as u32))) {
                 return Err(format!("cell {c} lists simplex {s}, which does not hold it"));
             }
         }
@@ -154,45 +178,62 @@ mod tests {
             state = crate::twin::math::hash(state.wrapping_add(1));
             state as usize % n
         };
-        let mut complex = Complex::triangle();
-        for step in 0..3_000 {
-            let cells = complex.cells();
-            if step % 3 < 2 {
-                let q = random(cells) as u32;
-                let n = complex.neighbours(q);
-                let f = n[random(n.len())];
-                let new = complex.split(q, f);
-                assert!(complex.neighbours(new).contains(&q) && !complex.neighbours(q).contains(&f), "the edge is split");
-            } else {
-                let mut doomed = vec![false; cells];
-                doomed[random(cells)] = true;
-                let before = complex.cells();
-                match complex.delete(&doomed) {
-                    Some(map) => assert_eq!(map.iter().flatten().count(), complex.cells()),
-                    None => assert_eq!(complex.cells(), before, "a refusal changes nothing"),
+        for k in 1..=4 {
+            let mut complex = Complex::simplex(k);
+            for step in 0..3_000 {
+                let cells = complex.cells();
+                if step % 3 < 2 {
+                    let q = random(cells) as u32;
+                    let n = complex.neighbours(q);
+                    let f = n[random(n.len())];
+                    let new = complex.split(q, f);
+                    assert!(complex.neighbours(new).contains(&q) && !complex.neighbours(q).contains(&f), "the edge is split");
+                } else {
+                    let mut doomed = vec![false; cells];
+                    doomed[random(cells)] = true;
+                    let before = complex.cells();
+                    match complex.delete(&doomed) {
+                        Some(map) => assert_eq!(map.iter().flatten().count(), complex.cells()),
+                        None => assert_eq!(complex.cells(), before, "a refusal changes nothing"),
+                    }
                 }
+                complex.check().unwrap_or_else(|e| panic!("k {k}, step {step}: {e}"));
             }
-            complex.check().unwrap_or_else(|e| panic!("step {step}: {e}"));
-        }
-        let again = Complex::from_simplices(complex.cells(), complex.simplices().to_vec()).unwrap();
-        assert_eq!(again.adjacency(), complex.adjacency());
-        for (cells, simplices) in
-            [(3, vec![]), (3, vec![[0, 1, 3]]), (3, vec![[0, 1, 1]]), (4, vec![[0, 1, 2]]), (0, vec![]), (2, vec![[0, 1, 0]])]
-        {
-            assert!(Complex::from_simplices(cells, simplices.clone()).is_none(), "{cells} {simplices:?}");
-        }
-        let (offsets, all) = complex.adjacency();
-        for c in 0..complex.cells() as u32 {
-            for &n in &all[offsets[c as usize] as usize..offsets[c as usize + 1] as usize] {
-                assert!(complex.neighbours(n).contains(&c), "adjacency is symmetric");
+            let again = Complex::from_simplices(k, complex.cells(), complex.simplices().to_vec()).unwrap();
+            assert_eq!(again.adjacency(), complex.adjacency());
+            assert_eq!(complex.edges().len() * 2, complex.adjacency().1.len(), "each edge once");
+            let (offsets, all) = complex.adjacency();
+            for c in 0..complex.cells() as u32 {
+                for &n in &all[offsets[c as usize] as usize..offsets[c as usize + 1] as usize] {
+                    assert!(complex.neighbours(n).contains(&c), "adjacency is symmetric");
+                }
             }
         }
     }
 
     #[test]
+    fn what_is_no_complex_is_refused() {
+        for (cells, simplices) in [
+            (3, vec![]),
+            (3, vec![0, 1, 3]),
+            (3, vec![0, 1, 1]),
+            (4, vec![0, 1, 2]),
+            (0, vec![]),
+            (2, vec![0, 1, 0]),
+            (3, vec![0, 1]),
+        ] {
+            assert!(Complex::from_simplices(2, cells, simplices.clone()).is_none(), "{cells} {simplices:?}");
+        }
+    }
+
+    #[test]
     fn the_last_simplex_is_never_deleted() {
-        let mut complex = Complex::triangle();
-        assert!(complex.delete(&[true, false, false]).is_none());
-        assert_eq!((complex.cells(), complex.check()), (3, Ok(())));
+        for k in 1..=4 {
+            let mut complex = Complex::simplex(k);
+            let mut doomed = vec![false; k + 1];
+            doomed[0] = true;
+            assert!(complex.delete(&doomed).is_none());
+            assert_eq!((complex.cells(), complex.check()), (k + 1, Ok(())));
+        }
     }
 }

@@ -71,7 +71,7 @@ impl Growth {
             f[0] += 1e-3 * cells.len() as f32;
             cells.push(f);
         }
-        Growth { cells, complex: Complex::triangle(), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: false }
+        Growth { cells, complex: Complex::simplex(2), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: false }
     }
 
     /// An epoch on the way to `target` cells: shows the cells their share of the features of `batches`, which hold

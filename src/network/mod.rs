@@ -3,4 +3,5 @@
 pub mod complex;
 pub mod growth;
 pub mod nodes;
+pub mod supervised;
 pub mod tiles;

@@ -104,7 +104,7 @@ pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32)
             let (tile, at) = invert_cdf(cdf.len() as u32, |t| cdf[t as usize], u[0]);
             let tri = geometry.tile_tri[tile as usize];
             let t = &geometry.tris[tri as usize];
-            let (b1, b2) = place_in_tile(t.split, tile - t.first_tile, at, unit(u[1]));
+            let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, at, unit(u[1]));
             surface_point(geometry, tri, b1, b2)
         })
         .collect()
@@ -210,8 +210,8 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
-    // Boxes a few node spacings wide (the area is 6 L^2) hold all that most tiles need.
-    let width = 2.5 * (6.0 / surface.nodes.len().max(1) as f32).sqrt();
+    // Boxes a few node spacings wide hold all that most tiles need.
+    let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
     let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
     let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
     for (i, n) in surface.nodes.iter().enumerate() {
@@ -293,7 +293,7 @@ pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
     let t = &geometry.tris[geometry.tile_tri[tile as usize] as usize];
     // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
     [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
-        let (b1, b2) = place_in_tile(t.split, tile - t.first_tile, a, b);
+        let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, a, b);
         crate::twin::trace::position(t, b1, b2)
     })
 }

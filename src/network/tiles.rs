@@ -5,7 +5,7 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point, Tile, kind};
 use crate::progress::Progress;
-use crate::scene::{Geometry, cumulative};
+use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
             let tri = geometry.tile_tri[t as usize];
             let r = &geometry.tris[tri as usize];
             let u = sobol4(t, seed);
-            let (b1, b2) = trace::place_in_tile(r.split, t - r.first_tile, unit(u[0]), unit(u[1]));
+            let (b1, b2) = trace::place_in_tile(geometry.flatland, r.split, t - r.first_tile, unit(u[0]), unit(u[1]));
             // The tile is known; rounding must not move the point to its neighbour.
             Point { tile: t, kind: kind::FRONT, ..trace::surface_point(geometry, tri, b1, b2) }
         })
@@ -75,7 +75,7 @@ pub fn node_density<E: Engine>(
     carried: &[f64],
     nodes: usize,
 ) -> Result<Vec<f64>> {
-    let spacing = (geometry.area / nodes.max(1) as f64).sqrt();
+    let spacing = geometry.spacing(nodes);
     let mut g = vec![0.0; geometry.tiles as usize];
     for batch in batches {
         for ray in engine.points(batch)?.chunks_exact(2) {
@@ -92,7 +92,7 @@ pub fn node_density<E: Engine>(
     }
 
     // Average over the tiles of one piece that share a box three tiles wide.
-    let width = 3.0 * (geometry.area / 20_000.0).sqrt();
+    let width = 3.0 * geometry.spacing(TILES as usize);
     let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
     let key = |t: usize| {
         let c = tile_corners(geometry, t as u32);

@@ -18,7 +18,7 @@ params!(
 );
 
 pub(super) const KERNEL: Kernel =
-    Kernel { name: "accumulate", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write] };
+    Kernel::new("accumulate", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write]);
 
 /// Sums features, squared distances and counts by winner, over the directed rays of a range.
 pub fn accumulate(

@@ -17,7 +17,7 @@ params!(
 );
 
 pub(super) const KERNEL: Kernel =
-    Kernel { name: "adapt", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+    Kernel::new("adapt", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// The cells' next places; their neighbours come in CSR form.
 pub fn adapt(

@@ -23,10 +23,10 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "assign",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
-};
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "assign",
+    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+);
 
 /// The weights of many points, looked at in the order of `order`, a permutation of them.
 pub fn assign(
@@ -54,6 +54,6 @@ pub fn assign(
         psi.buffer(),
         gpu.status(),
     ];
-    gpu.run(&KERNEL, &params, &buffers, points.len(), HEAVY)?;
+    gpu.run(&scene.kernel(KERNEL), &params, &buffers, points.len(), HEAVY)?;
     Ok(psi)
 }

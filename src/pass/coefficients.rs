@@ -55,21 +55,12 @@ pub struct FluxParams {
     pub normalise: f32,
 }
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "coefficients",
-    buffers: &[
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Read,
-        Access::Write,
-        Access::Write,
-        Access::Write,
-        Access::Write,
-    ],
-};
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "coefficients",
+    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write, Access::Write],
+);
 pub(super) const FLUX: Kernel =
-    Kernel { name: "flux", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write] };
+    Kernel::new("flux", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write]);
 
 /// A batch of rays and what is known of them.
 #[derive(Clone, Copy, Debug)]

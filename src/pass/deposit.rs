@@ -19,10 +19,10 @@ pub struct Params {
     pub normalise: f32,
 }
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "deposit",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write],
-};
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "deposit",
+    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write],
+);
 
 /// Adds one batch to `sums`, one a node; see [`crate::twin::deposit::deposit`].
 pub fn deposit(

@@ -35,10 +35,10 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "direct",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
-};
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "direct",
+    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+);
 
 /// Adds rounds `first..first + rounds` to the sums of the points listed in `active`.
 pub fn direct(
@@ -79,7 +79,7 @@ pub fn direct(
             emitter_density: scene.emitter_density,
             ..Params::default()
         };
-        gpu.run(&KERNEL, &params, &buffers, active.len(), HEAVY / (rays * now))?;
+        gpu.run(&scene.kernel(KERNEL), &params, &buffers, active.len(), HEAVY / (rays * now))?;
         done += now;
     }
     Ok(())

@@ -55,12 +55,9 @@ pub struct ProbeParams {
     pub pad2: u32,
 }
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "emit",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write],
-};
-pub(super) const PROBE: Kernel =
-    Kernel { name: "probe", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+pub(super) const KERNEL: Kernel =
+    Kernel::new("emit", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write]);
+pub(super) const PROBE: Kernel = Kernel::new("probe", &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.
 pub fn emit(
@@ -87,9 +84,9 @@ pub fn emit(
         gpu.status(),
     ];
     let invocations = if count == 0 { 0 } else { 1 << bits };
-    gpu.run(&KERNEL, &params, &buffers, invocations, HEAVY)?;
+    gpu.run(&scene.kernel(KERNEL), &params, &buffers, invocations, HEAVY)?;
     let params = ProbeParams { flag: gpu.flag(&PROBE), seed, first, ..ProbeParams::default() };
     let buffers = [scene.nodes.buffer(), scene.tris.buffer(), suspects.buffer(), points.buffer(), gpu.status()];
-    gpu.run(&PROBE, &params, &buffers, count as usize, HEAVY)?;
+    gpu.run(&scene.kernel(PROBE), &params, &buffers, count as usize, HEAVY)?;
     Ok(points)
 }

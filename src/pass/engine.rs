@@ -6,13 +6,14 @@ use super::{SceneBuffers, SurfaceBuffers};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::gpu::{Gpu, GpuVec};
-use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi, Tile, kind};
+use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi, ResponseSums, Sample, Tile, kind};
 use crate::scene::Geometry;
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
 use crate::twin::direct::Samples;
 use crate::twin::gather::Gathered;
 use crate::twin::jacobi::System;
+use crate::twin::respond::{Net, Responder};
 use crate::twin::winner::{Feature, Metric};
 use bytemuck::Pod;
 use std::ops::Range;
@@ -100,6 +101,26 @@ impl<'a> GpuEngine<'a> {
     /// Reads back what kernels have finished.
     fn fetch<T: Pod>(&self, vec: &GpuVec<T>) -> Result<Vec<T>> {
         self.gpu.read_finished(vec, 0, vec.len())
+    }
+}
+
+impl Responder for GpuEngine<'_> {
+    fn best(&mut self, inputs: &[Feature], cells: &[Feature]) -> Result<Vec<u32>> {
+        // Like receivers follow each other: an invocation that serves several inputs then passes over most cells.
+        let mut order: Vec<u32> = (0..inputs.len() as u32).collect();
+        order.sort_by_cached_key(|&i| [6, 7, 8].map(|k| (16.0 * inputs[i as usize][k]).floor() as i32));
+        let (order, device) = (self.gpu.upload("order", &order)?, self.gpu.upload("inputs", inputs)?);
+        let winners = self.gpu.alloc("winners", inputs.len())?;
+        let cells = super::winner::CellBlocks::new(self.gpu, cells)?;
+        super::winner::winner(self.gpu, &device, &order, &cells, &winners)?;
+        self.fetch(&winners)
+    }
+
+    fn respond(&mut self, net: Net, inputs: &[Feature], samples: &mut [Sample]) -> Result<Vec<ResponseSums>> {
+        let (inputs, device) = (self.gpu.upload("inputs", inputs)?, self.gpu.upload("samples", samples)?);
+        let sums = super::respond::respond(self.gpu, net, &inputs, &device)?;
+        samples.copy_from_slice(&self.fetch(&device)?);
+        self.fetch(&sums)
     }
 }
 

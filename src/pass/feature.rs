@@ -24,7 +24,7 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel { name: "feature", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write] };
+pub(super) const KERNEL: Kernel = Kernel::new("feature", &[Access::Read, Access::Read, Access::Read, Access::Write]);
 
 /// The features of directed rays; `brightness` holds B/B_rms of each tile.
 pub fn feature(

@@ -27,10 +27,8 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "gather",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
-};
+pub(super) const KERNEL: Kernel =
+    Kernel::new("gather", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// Averages `rays` consecutive hits a point: irradiance and nearness, then the shares of front and of
 /// back hits, two vectors a point ([`decode`] names them).

@@ -21,14 +21,12 @@ params!(
     }
 );
 
-pub(super) const BETA: Kernel = Kernel {
-    name: "beta",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
-};
-pub(super) const UPDATE: Kernel = Kernel {
-    name: "update",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
-};
+pub(super) const BETA: Kernel = Kernel::new(
+    "beta",
+    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+);
+pub(super) const UPDATE: Kernel =
+    Kernel::new("update", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// A linear system on the device.
 #[derive(Clone, Debug)]

@@ -16,7 +16,7 @@ params!(
 );
 
 pub(super) const KERNEL: Kernel =
-    Kernel { name: "kernel", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+    Kernel::new("kernel", &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// G(x, y) V(x, y) of consecutive pairs of surface points, per local area.
 pub fn kernel(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>) -> Result<GpuVec<f32>> {
@@ -24,6 +24,6 @@ pub fn kernel(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>) -> Result
     let values = gpu.alloc("values", pairs)?;
     let params = Params { flag: gpu.flag(&KERNEL), ..Params::default() };
     let buffers = [scene.nodes.buffer(), scene.tris.buffer(), points.buffer(), values.buffer(), gpu.status()];
-    gpu.run(&KERNEL, &params, &buffers, pairs, HEAVY)?;
+    gpu.run(&scene.kernel(KERNEL), &params, &buffers, pairs, HEAVY)?;
     Ok(values)
 }

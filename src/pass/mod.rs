@@ -16,38 +16,48 @@ pub mod gather;
 pub mod jacobi;
 pub mod kernel;
 pub mod readout;
+pub mod respond;
 pub mod shoot;
 pub mod winner;
 
 pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Gpu, GpuVec, Kernel, sentinel};
+use crate::gpu::{Constants, Gpu, GpuVec, Kernel, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Scene};
 use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
 
-/// The kernels that bakes and read-outs use, with the sentinel that comes first.
-pub(crate) const KERNELS: &[&Kernel] = &[
-    &sentinel::KERNEL,
-    &accumulate::KERNEL,
-    &adapt::KERNEL,
-    &assign::KERNEL,
-    &coefficients::KERNEL,
-    &coefficients::FLUX,
-    &deposit::KERNEL,
-    &direct::KERNEL,
-    &emit::KERNEL,
-    &emit::PROBE,
-    &feature::KERNEL,
-    &gather::KERNEL,
-    &jacobi::BETA,
-    &jacobi::UPDATE,
-    &readout::KERNEL,
-    &shoot::KERNEL,
-    &winner::KERNEL,
+/// The kernels that bakes and read-outs use in any space, with the sentinel that comes first.
+const KERNELS: &[Kernel] = &[
+    sentinel::KERNEL,
+    accumulate::KERNEL,
+    adapt::KERNEL,
+    coefficients::KERNEL,
+    coefficients::FLUX,
+    deposit::KERNEL,
+    feature::KERNEL,
+    gather::KERNEL,
+    jacobi::BETA,
+    jacobi::UPDATE,
+    readout::KERNEL,
+    respond::KERNEL,
+    winner::KERNEL,
 ];
+/// Those that look at surfaces, each once for every space.
+const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit::PROBE, shoot::KERNEL];
+
+/// What sets the shaders to a space.
+fn constants(flatland: bool) -> Constants {
+    if flatland { &[("FLATLAND", 1)] } else { &[] }
+}
+
+/// The kernels that bakes and read-outs of a scene use.
+pub(crate) fn kernels(scene: &Scene) -> Vec<Kernel> {
+    let constants = constants(scene.is_flatland());
+    KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants))).collect()
+}
 
 /// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.
 macro_rules! params {
@@ -81,6 +91,8 @@ pub struct SceneBuffers {
     pub emitter_density: f32,
     /// Triangle of each tile.
     pub tile_tri: GpuVec<u32>,
+    /// What sets the shaders to its space.
+    constants: Constants,
 }
 
 impl SceneBuffers {
@@ -96,7 +108,13 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
+            constants: constants(geometry.flatland),
         })
+    }
+
+    /// A kernel that looks at surfaces, set to this scene's space.
+    fn kernel(&self, kernel: Kernel) -> Kernel {
+        kernel.with(self.constants)
     }
 }
 

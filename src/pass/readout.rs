@@ -16,7 +16,7 @@ params!(
 );
 
 pub(super) const KERNEL: Kernel =
-    Kernel { name: "readout", buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write] };
+    Kernel::new("readout", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write]);
 
 /// Irradiance at many points, scaled W/m²; the fourth number is unused.
 pub fn readout(

@@ -23,8 +23,7 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel =
-    Kernel { name: "shoot", buffers: &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write] };
+pub(super) const KERNEL: Kernel = Kernel::new("shoot", &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// Rays `first..first + rays` of each point's own sequence, `rays` consecutive hits a point.
 pub fn shoot(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>, seed: u32, first: u32, rays: u32) -> Result<GpuVec<Point>> {
@@ -32,6 +31,6 @@ pub fn shoot(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>, seed: u32,
     let hits = gpu.alloc("hits", count)?;
     let params = Params { flag: gpu.flag(&KERNEL), seed, first, rays, ..Params::default() };
     let buffers = [scene.nodes.buffer(), scene.tris.buffer(), points.buffer(), hits.buffer(), gpu.status()];
-    gpu.run(&KERNEL, &params, &buffers, count, HEAVY)?;
+    gpu.run(&scene.kernel(KERNEL), &params, &buffers, count, HEAVY)?;
     Ok(hits)
 }

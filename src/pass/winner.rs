@@ -35,10 +35,8 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel {
-    name: "winner",
-    buffers: &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write],
-};
+pub(super) const KERNEL: Kernel =
+    Kernel::new("winner", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write]);
 
 /// A block of cells and the box around their receivers.
 #[repr(C)]

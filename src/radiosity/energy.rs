@@ -24,7 +24,8 @@ pub fn account<E: Engine>(
     batches: &mut [E::Batch],
     progress: &mut Progress,
 ) -> Result<Energy> {
-    let per_area = 1.0 / (geometry.emission_scale * geometry.scale * geometry.scale);
+    let area_scale = if geometry.flatland { geometry.scale } else { geometry.scale * geometry.scale };
+    let per_area = 1.0 / (geometry.emission_scale * area_scale);
     let mut emitted = [0.0; 3];
     for e in &geometry.emitters {
         let m = geometry.material_of(e.tri as usize);

@@ -5,7 +5,7 @@ use crate::scene::{Geometry, Scene};
 use crate::twin::emit::first_hit;
 use crate::twin::math::{cosine_direction, seed_of, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{Ray, closest, position};
+use crate::twin::trace::{Ray, closest, place_on, position};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -84,10 +84,10 @@ fn shoot(geometry: &Geometry, tris: &[u32]) -> [u32; 3] {
     for k in 0..RAYS {
         let tri = tris[(k as u64 * tris.len() as u64 / RAYS as u64) as usize];
         let [a, b, c, d] = sobol4(k, seed_of(0, tri)).map(unit);
-        let root = a.sqrt();
         let t = &geometry.tris[tri as usize];
-        let from = position(t, root * (1.0 - b), root * b);
-        let (kind, _) = first_hit(geometry, tri, from, cosine_direction(Vec3::from(t.normal), c, d));
+        let (b1, b2) = place_on(geometry.flatland, a, b);
+        let direction = cosine_direction(geometry.flatland, Vec3::from(t.normal), c, d);
+        let (kind, _) = first_hit(geometry, tri, position(t, b1, b2), direction);
         met[match kind {
             kind::FRONT => 0,
             kind::BACK => 1,

@@ -4,17 +4,28 @@
 use super::{Scene, cumulative};
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
+use crate::params::{Norm, Params};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
-const TILES: f64 = 20_000.0;
+pub(crate) const TILES: f64 = 20_000.0;
 /// Most tiles along an edge of one triangle.
 const MAX_SPLIT: u32 = 160;
+/// Most tiles of one flatland segment.
+const MAX_FLAT_SPLIT: u32 = MAX_SPLIT * MAX_SPLIT;
 
 /// A prepared scene. Lengths are local: `local = (world - center) * scale`.
+///
+/// In flatland a triangle is a segment: `v0` to `v1`, and `v2 = v1`; its area is its length, its tiles follow one
+/// another along it, and its boxes reach from z = -1 to 1.
 #[derive(Clone, Debug)]
 pub struct Geometry {
+    /// Whether the scene lies in flatland; every pass asks here.
+    pub flatland: bool,
+    /// Share of the light that arrives ([`crate::params::Norm`]); the reflectances in `materials` are multiplied by
+    /// it, so that no pass need know.
+    pub arrives: f64,
     /// Centre of the bounding box, world.
     pub center: [f64; 3],
     /// Power of two that brings the largest half extent into (0.5, 1].
@@ -41,7 +52,7 @@ pub struct Geometry {
     pub tile_tri: Vec<u32>,
     /// Area that reflects or emits, local.
     pub area: f64,
-    /// The length L = sqrt(area/6) that features are measured in, local.
+    /// The length L that features are measured in, local: sqrt(area/6), in flatland length/4; 1 of a unit box.
     pub unit: f64,
     /// Number of planar pieces (edge-connected, coplanar, of one material); both sides of a sheet count.
     pub pieces: u32,
@@ -75,6 +86,24 @@ fn power_of_two_for(x: f64) -> f64 {
 }
 
 impl Geometry {
+    /// As [`Geometry::new`], for a bake with these parameters.
+    ///
+    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have.
+    pub fn for_bake(scene: &Scene, params: &Params) -> Result<Geometry> {
+        let mut geometry = Geometry::new(scene)?;
+        if params.norm == Norm::Paper1997 && !geometry.flatland {
+            let range = "it is for flatland scenes: in three dimensions the paper's kernel has the norm of lambert";
+            return Err(Error::InvalidParam { name: "norm", value: "paper1997".into(), range });
+        }
+        geometry.arrives = params.norm.share();
+        if params.norm != Norm::Lambert {
+            for m in &mut geometry.materials {
+                m.rho = m.rho.map(|rho| (rho as f64 * geometry.arrives) as f32);
+            }
+        }
+        Ok(geometry)
+    }
+
     /// Prepares a scene.
     ///
     /// Errors: those of [`Scene::check`]; [`Error::EmptyScene`] where no triangle has an area.
@@ -92,6 +121,7 @@ impl Geometry {
                 }
             }
         }
+        let flatland = scene.is_flatland();
         let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
         let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
         if half <= 0.0 || !half.is_finite() {
@@ -107,7 +137,9 @@ impl Geometry {
         for (i, face) in scene.faces.iter().enumerate() {
             let corners = face.vertices.map(local);
             let c = corners.map(|v| v.map(f64::from));
-            let normal = cross(sub(c[1], c[0]), sub(c[2], c[0]));
+            // The left of a segment, as long as it; of a triangle twice as long as its area.
+            let way = sub(c[1], c[0]);
+            let normal = if flatland { [-way[1], way[0], 0.0] } else { cross(way, sub(c[2], c[0])) };
             let double_area = dot(normal, normal).sqrt();
             let longest = [(0, 1), (1, 2), (2, 0)]
                 .iter()
@@ -128,14 +160,15 @@ impl Geometry {
                 }
                 Entry::Vacant(free) => free.insert(i as u32),
             };
-            kept.push(Kept { face: i as u32, corners, normal: normal.map(|x| x / double_area), area: 0.5 * double_area });
+            let area = if flatland { double_area } else { 0.5 * double_area };
+            kept.push(Kept { face: i as u32, corners, normal: normal.map(|x| x / double_area), area });
         }
         if kept.is_empty() {
             return Err(empty());
         }
 
         // Build the hierarchy and lay triangles out in its leaf order.
-        let boxes: Vec<Bounds> = kept.iter().map(|k| Bounds(k.corners)).collect();
+        let boxes: Vec<Bounds> = kept.iter().map(|k| Bounds { corners: k.corners, flatland }).collect();
         let bvh =
             obvhs::bvh2::builder::build_bvh2(&boxes, obvhs::BvhBuildParams::medium_build(), &mut std::time::Duration::default());
         let nodes: Vec<BvhNode> = bvh
@@ -163,7 +196,7 @@ impl Geometry {
         };
 
         // Number planar pieces, cut live area into tiles.
-        let twins = twins(&kept, &seen);
+        let twins = twins(flatland, &kept, &seen);
         let mut planes = planar_pieces(&kept, &twins, scene);
         let pieces = planes.iter().max().map_or(0, |&m| m + 1);
         join_twins(&mut planes, &twins, pieces);
@@ -175,9 +208,14 @@ impl Geometry {
         for &i in &order {
             let Kept { face, corners, normal, area: tri_area } = kept[i];
             let material = material_of(i);
-            let split = if live(material) { ((tri_area / tile_area).sqrt().ceil() as u32).clamp(1, MAX_SPLIT) } else { 1 };
+            let split = match (live(material), flatland) {
+                (false, _) => 1,
+                (true, false) => ((tri_area / tile_area).sqrt().ceil() as u32).clamp(1, MAX_SPLIT),
+                (true, true) => ((tri_area / tile_area).ceil() as u32).clamp(1, MAX_FLAT_SPLIT),
+            };
+            let tiles = if flatland { split } else { split * split };
             let first_tile = tile_tri.len() as u32;
-            tile_tri.extend(std::iter::repeat_n(tris.len() as u32, (split * split) as usize));
+            tile_tri.extend(std::iter::repeat_n(tris.len() as u32, tiles as usize));
             tris.push(Tri {
                 v0: corners[0],
                 material,
@@ -207,7 +245,10 @@ impl Geometry {
             .map(|((cdf, &t), p)| Emitter { tri: t as u32, cdf, density: (p / all / areas[t]) as f32, pad0: 0 })
             .collect();
 
+        let lit = area.max(1e-3 * total);
         Ok(Geometry {
+            flatland,
+            arrives: 1.0,
             center,
             scale,
             emission_scale,
@@ -221,7 +262,7 @@ impl Geometry {
             tiles: tile_tri.len() as u32,
             tile_tri,
             area,
-            unit: (area.max(1e-3 * total) / 6.0).sqrt(),
+            unit: if flatland { lit / 4.0 } else { (lit / 6.0).sqrt() },
             pieces,
             degenerate,
             duplicate,
@@ -231,7 +272,14 @@ impl Geometry {
     /// Area of a tile, local.
     pub fn tile_area(&self, tile: usize) -> f64 {
         let t = self.tile_tri[tile] as usize;
-        self.areas[t] / (self.tris[t].split as f64).powi(2)
+        let split = self.tris[t].split as f64;
+        self.areas[t] / if self.flatland { split } else { split.powi(2) }
+    }
+
+    /// The distance between neighbours where `count` points share the live area evenly, local.
+    pub fn spacing(&self, count: usize) -> f64 {
+        let share = self.area / count.max(1) as f64;
+        if self.flatland { share } else { share.sqrt() }
     }
 
     /// Whether a triangle reflects or emits.
@@ -252,8 +300,14 @@ impl Geometry {
 
     /// Longest side of the bounding box, metres.
     pub fn extent(&self) -> f64 {
-        let side = |k: usize| self.nodes.first().map_or(0.0, |root| (root.max[k] - root.min[k]) as f64);
-        side(0).max(side(1)).max(side(2)) / self.scale
+        self.local_extent() / self.scale
+    }
+
+    /// Longest side of the bounding box, local.
+    pub(super) fn local_extent(&self) -> f64 {
+        let side = |k: usize| self.nodes.first().map_or(0.0, |root| root.max[k] as f64 - root.min[k] as f64);
+        // Flatland's boxes have a height, its scenes none.
+        side(0).max(side(1)).max(if self.flatland { 0.0 } else { side(2) })
     }
 
     /// World position to local.
@@ -272,12 +326,17 @@ struct Kept {
     area: f64,
 }
 
-struct Bounds([[f32; 3]; 3]);
+struct Bounds {
+    corners: [[f32; 3]; 3],
+    flatland: bool,
+}
 
 impl obvhs::Boundable for Bounds {
     fn aabb(&self) -> obvhs::aabb::Aabb {
-        let v = self.0.map(glam::Vec3A::from_array);
-        obvhs::aabb::Aabb { min: v[0].min(v[1]).min(v[2]), max: v[0].max(v[1]).max(v[2]) }
+        let v = self.corners.map(glam::Vec3A::from_array);
+        // A box without a height would have rays divide 0 by 0.
+        let up = glam::Vec3A::new(0.0, 0.0, if self.flatland { 1.0 } else { 0.0 });
+        obvhs::aabb::Aabb { min: v[0].min(v[1]).min(v[2]) - up, max: v[0].max(v[1]).max(v[2]) + up }
     }
 }
 
@@ -292,9 +351,10 @@ fn wound(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
 
 /// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the face of
 /// each kept triangle's corners.
-fn twins(kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
+fn twins(flatland: bool, kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
     let twin = |k: &Kept| {
-        let face = seen.get(&wound([k.corners[0], k.corners[2], k.corners[1]]))?;
+        let [a, b, c] = k.corners;
+        let face = seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] }))?;
         kept.binary_search_by_key(face, |k| k.face).ok()
     };
     kept.iter().map(|k| twin(k).map_or(NONE, |t| t as u32)).collect()

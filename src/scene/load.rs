@@ -1,7 +1,7 @@
 //! Scene files, whatever their kind: what a reader may be told, where it gets its bytes, and what is done
 //! to every scene once it is read.
 
-use super::{Scene, View, gltf, obj, sides, toml};
+use super::{Scene, Space, View, gltf, obj, sides, toml};
 use crate::error::{Error, Result};
 use crate::progress::{Event, Flow, Progress};
 use std::io;
@@ -179,6 +179,9 @@ pub(super) fn place(scene: &mut Scene, unit: f64, up: Up) {
     }
     for v in &mut scene.vertices {
         *v = to_metres(*v, unit, up);
+    }
+    if let Space::Flatland { height } = &mut scene.space {
+        *height *= unit;
     }
     for View { camera, .. } in &mut scene.cameras {
         camera.eye = to_metres(camera.eye, unit, up);

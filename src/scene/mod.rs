@@ -1,6 +1,7 @@
 //! What is to be lit: triangles, materials, and their preparation for the passes. No wgpu here.
 
 mod distribution;
+mod extruded;
 mod geometry;
 mod gltf;
 mod load;
@@ -16,8 +17,10 @@ mod unread;
 
 #[doc(hidden)]
 pub use distribution::cumulative;
+pub(crate) use extruded::wall;
 #[doc(hidden)]
 pub use geometry::Geometry;
+pub(crate) use geometry::TILES;
 pub use load::{KdSpace, LoadOptions, Up};
 #[doc(hidden)]
 pub use surface::Located;
@@ -64,10 +67,25 @@ impl Material {
     }
 }
 
+/// The space that a scene lies in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Space {
+    /// Triangles in three dimensions.
+    #[default]
+    Solid,
+    /// Segments in the plane z = 0. Irradiance and radiosity are W/m, powers W, along lines of a world that has no
+    /// third dimension; the kernel is cos cos / (2 r) (Heckbert, "Radiosity in Flatland", 1992).
+    Flatland {
+        /// How high pictures and meshes draw the segments' walls, metres.
+        height: f64,
+    },
+}
+
 /// A triangle of a scene: vertex indices, material and object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
-    /// Indices into [`Scene::vertices`], counter-clockwise seen from the front.
+    /// Indices into [`Scene::vertices`], counter-clockwise seen from the front. A flatland segment from a to b is
+    /// [a, b, b]; its front is on the left of the way from a to b, seen from +z.
     pub vertices: [u32; 3],
     /// Index into [`Scene::materials`].
     pub material: u32,
@@ -84,11 +102,13 @@ pub struct View {
     pub camera: Camera,
 }
 
-/// A scene as its author wrote it: metres, f64, one-sided triangles.
+/// A scene as its author wrote it: metres, f64, one-sided triangles, or segments in [`Space::Flatland`].
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name or path, for messages and reports.
     pub name: String,
+    /// The space it lies in.
+    pub space: Space,
     /// Vertex positions, metres.
     pub vertices: Vec<[f64; 3]>,
     /// Triangles.
@@ -120,10 +140,41 @@ impl Scene {
         Ok(scene)
     }
 
+    /// A flatland scene from segments in memory: two ends (metres; the front is on the left of the way from the
+    /// first to the second) and a material index each. Walls are half its longest side high.
+    ///
+    /// Errors: those of [`Scene::check`].
+    pub fn from_segments(name: &str, segments: &[([[f64; 2]; 2], u32)], materials: Vec<Material>) -> Result<Scene> {
+        let mut scene = Scene { name: name.into(), materials, objects: vec![name.into()], ..Scene::default() };
+        for ([a, b], material) in segments {
+            let first = scene.vertices.len() as u32;
+            scene.vertices.extend([[a[0], a[1], 0.0], [b[0], b[1], 0.0]]);
+            scene.faces.push(Face { vertices: [first, first + 1, first + 1], material: *material, object: 0 });
+        }
+        scene.space = Space::Flatland { height: scene.wall_height() };
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// Whether the scene lies in flatland.
+    pub fn is_flatland(&self) -> bool {
+        matches!(self.space, Space::Flatland { .. })
+    }
+
+    /// Half the longest side of the bounding box: how high walls are where nobody says.
+    pub(crate) fn wall_height(&self) -> f64 {
+        let side = |k: usize| {
+            let (low, high) = self.vertices.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v[k]), h.max(v[k])));
+            (high - low).max(0.0)
+        };
+        0.5 * side(0).max(side(1))
+    }
+
     /// Checks that the scene can be lit: finite vertices, indices in range, reflectances in [0, 1), emissions finite and >= 0.
     ///
     /// Errors: [`Error::EmptyScene`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`],
-    /// [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
+    /// [`Error::InvalidReflectance`], [`Error::InvalidEmission`]; [`Error::NotFlat`] for a flatland scene whose faces
+    /// are no segments in the plane z = 0.
     pub fn check(&self) -> Result<()> {
         if self.faces.is_empty() {
             return Err(Error::EmptyScene { scene: self.name.clone() });
@@ -143,6 +194,10 @@ impl Scene {
                     });
                 }
             }
+            let [_, b, c] = self.corners(i);
+            if self.is_flatland() && (b != c || self.corners(i).iter().any(|v| v[2] != 0.0)) {
+                return Err(Error::NotFlat { place: self.name.clone(), face: i });
+            }
             if face.material as usize >= self.materials.len() {
                 return Err(Error::IndexOutOfRange {
                     place: format!("{}: triangle {i}, material", self.name),
@@ -159,9 +214,12 @@ impl Scene {
         self.materials[material].check_at(self.material_places.get(material).unwrap_or(&self.name))
     }
 
-    /// The area of a triangle, m².
+    /// The area of a triangle, m²; the length of a flatland segment, m.
     pub fn area(&self, face: usize) -> f64 {
         let [a, b, c] = self.corners(face).map(glam::DVec3::from_array);
+        if self.is_flatland() {
+            return a.distance(b);
+        }
         0.5 * (b - a).cross(c - a).length()
     }
 

@@ -1,4 +1,4 @@
-//! Two-sided surfaces: a twin of opposite winding for each triangle.
+//! Two-sided surfaces: a twin of opposite winding for each triangle or flatland segment.
 
 use super::{Face, Scene};
 use std::collections::HashSet;
@@ -23,7 +23,8 @@ pub fn mirror_range(scene: &mut Scene, range: Range<usize>, wanted: impl Fn(&Fac
         v
     };
     let there: HashSet<[u32; 3]> = faces.iter().map(|f| key(f.vertices)).collect();
-    let twin = |f: &Face| Face { vertices: [f.vertices[0], f.vertices[2], f.vertices[1]], ..*f };
+    let turned = |[a, b, c]: [u32; 3]| if b == c { [b, a, a] } else { [a, c, b] };
+    let twin = |f: &Face| Face { vertices: turned(f.vertices), ..*f };
     let twins: Vec<Face> = faces.iter().filter(|f| wanted(f)).map(twin).filter(|f| !there.contains(&key(f.vertices))).collect();
     scene.faces.extend(twins);
 }

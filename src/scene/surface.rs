@@ -28,9 +28,8 @@ impl Geometry {
         if !p.is_finite() {
             return None;
         }
-        let root = self.nodes.first()?;
-        let extent = (0..3).map(|k| root.max[k] as f64 - root.min[k] as f64).fold(0.0, f64::max);
-        let mut reach = REACH * extent;
+        self.nodes.first()?;
+        let mut reach = REACH * self.local_extent();
 
         // Everything within `SAME` of the nearest so far: (distance, agreement, triangle, point).
         let mut found: Vec<(f64, f64, u32, DVec3)> = Vec::new();

@@ -8,7 +8,7 @@ use crate::network::nodes::surface_of;
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{Report, Seconds};
 use crate::params::Params;
-use crate::scene::{Face, Geometry, Material, Scene};
+use crate::scene::{Face, Geometry, Material, Scene, Space};
 use crate::twin::jacobi::System;
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,9 @@ use std::path::Path;
 struct Header {
     content: String,
     name: String,
+    /// In flatland: how high its walls are drawn, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    flatland: Option<f64>,
     materials: Vec<MaterialEntry>,
     objects: Vec<String>,
     params: Params,
@@ -53,6 +56,10 @@ impl Solution {
         let header = Header {
             content: CONTENT.into(),
             name,
+            flatland: match self.scene.space {
+                Space::Solid => None,
+                Space::Flatland { height } => Some(height),
+            },
             materials: (self.scene.materials.iter())
                 .map(|m| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission })
                 .collect(),
@@ -106,6 +113,7 @@ impl Solution {
         let faces: Vec<[u32; 5]> = file.get("faces")?;
         let scene = Scene {
             name: header.name,
+            space: header.flatland.map_or(Space::Solid, |height| Space::Flatland { height }),
             vertices: file.get("vertices")?,
             faces: faces.iter().map(|&[a, b, c, material, object]| Face { vertices: [a, b, c], material, object }).collect(),
             materials: (header.materials.into_iter())
@@ -117,7 +125,7 @@ impl Solution {
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {
             return Err(fail("section 'faces' names an object that is not there".into()));
         }
-        let geometry = Geometry::new(&scene).map_err(|e| fail(format!("the scene cannot be used: {e}")))?;
+        let geometry = Geometry::for_bake(&scene, &header.params).map_err(|e| fail(format!("the scene cannot be used: {e}")))?;
         if prepared(&geometry) != header.prepared {
             return Err(fail("the scene is prepared otherwise by this version".into()));
         }

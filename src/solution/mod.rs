@@ -125,8 +125,9 @@ impl Solution {
 
     /// Node spacing, local. A partial solution has the nodes of its pilot, or none.
     fn spacing(&self) -> f64 {
-        let nodes = if self.is_partial() { self.surface.nodes.len().max(1) } else { self.params.node_count(0) };
-        (self.geometry.area / nodes as f64).sqrt()
+        let nodes =
+            if self.is_partial() { self.surface.nodes.len().max(1) } else { self.params.node_count(0, self.geometry.flatland) };
+        self.geometry.spacing(nodes)
     }
 
     /// Shades points given as triangle and place, as carefully as `params` say.
@@ -171,7 +172,7 @@ impl Solution {
             .iter()
             .map(|p| match self.geometry.locate(p.p, p.n) {
                 Some(at) => {
-                    let (b1, b2) = barycentric(&self.geometry.tris[at.tri as usize], Vec3::from(at.p));
+                    let (b1, b2) = barycentric(self.geometry.flatland, &self.geometry.tris[at.tri as usize], Vec3::from(at.p));
                     Point { p: at.p, ..surface_point(&self.geometry, at.tri, b1.clamp(0.0, 1.0), b2.clamp(0.0, 1.0)) }
                 }
                 None => Point { tri: NONE, tile: NONE, ..Point::default() },
@@ -187,7 +188,7 @@ impl Solution {
             return Ok(Answer { status: Status::OffSurface, b: [0.0; 3], h: [0.0; 3], d: [0.0; 3] });
         }
         let m = &self.scene.materials[self.geometry.tris[point.tri as usize].material as usize];
-        let unscale = 1.0 / self.geometry.emission_scale;
+        let unscale = self.geometry.arrives / self.geometry.emission_scale;
         let h = shade.irradiance.map(|x| x * unscale);
         let b = [0, 1, 2].map(|k| std::f64::consts::PI * m.emission[k] + m.reflectance[k] * h[k]);
         if !b.iter().chain(&h).all(|x| x.is_finite()) {

@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::layout::{NONE, Point};
 use crate::params::Params;
 use crate::progress::{Event, Flow};
-use crate::scene::Geometry;
-use crate::twin::trace::{Ray, closest, surface_point};
+use crate::scene::{Geometry, Scene};
+use crate::twin::trace::{Ray, barycentric, closest, surface_point};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -83,6 +83,26 @@ impl Camera {
     }
 }
 
+/// What a camera sees of the walls on a flatland scene's segments: the point at the foot of the wall.
+fn primary_feet(scene: &Scene, geometry: &Geometry, camera: &Camera) -> Result<Vec<Option<Point>>> {
+    let walls = Geometry::new(&scene.extruded())?;
+    // The segment of each face, where it was not dropped.
+    let mut segment = vec![NONE; scene.faces.len()];
+    for (tri, &face) in geometry.source.iter().enumerate() {
+        segment[face as usize] = tri as u32;
+    }
+    let foot = |hit: Point| {
+        let face = walls.source[hit.tri as usize];
+        let tri = segment[face as usize / 2];
+        let world = [0, 1, 2].map(|k| hit.p[k] as f64 / walls.scale + walls.center[k]);
+        let mut p = DVec3::from_array(geometry.to_local(world)).as_vec3();
+        p.z = 0.0;
+        let (b1, _) = barycentric(true, geometry.tris.get(tri as usize)?, p);
+        Some(surface_point(geometry, tri, b1.clamp(0.0, 1.0), 0.0))
+    };
+    Ok(primary_hits(&walls, camera).into_iter().map(|hit| hit.and_then(foot)).collect())
+}
+
 /// What a camera sees through each pixel's centre: a point on a front face, or nothing (the sky, a
 /// black back face). On the host: a ray a pixel is little beside what shading it takes.
 fn primary_hits(geometry: &Geometry, camera: &Camera) -> Vec<Option<Point>> {
@@ -99,7 +119,8 @@ fn primary_hits(geometry: &Geometry, camera: &Camera) -> Vec<Option<Point>> {
 }
 
 impl Solution {
-    /// A picture in linear radiance, one ray a pixel. Sky and back faces are black.
+    /// A picture in linear radiance, one ray a pixel. Sky and back faces are black. A flatland scene's segments are
+    /// seen as walls, [`crate::scene::Space`], that have the light of their foot all the way up.
     ///
     /// Direct light and final gathers take fewer samples than in [`Solution::query`]. Errors:
     /// [`Error::InvalidParam`] for a camera that cannot be; those of the device; [`Error::NotFinite`].
@@ -110,7 +131,11 @@ impl Solution {
     /// As [`Solution::render`], telling its progress.
     pub fn render_with(&self, backend: &Backend, camera: &Camera, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Image> {
         camera.check()?;
-        let hits = primary_hits(&self.geometry, camera);
+        let hits = if self.scene.is_flatland() {
+            primary_feet(&self.scene, &self.geometry, camera)?
+        } else {
+            primary_hits(&self.geometry, camera)
+        };
         let points: Vec<Point> = hits.iter().flatten().copied().collect();
         let params = Params {
             direct_tolerance: self.params.direct_tolerance.max(DIRECT_TOLERANCE),
@@ -139,7 +164,7 @@ impl Solution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Scene};
+    use crate::scene::Material;
 
     #[test]
     fn the_picture_is_upright_and_the_back_is_black() {

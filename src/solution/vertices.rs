@@ -7,6 +7,7 @@ use crate::layout::Point;
 use crate::output::mesh::{Mesh, Part, Vertex};
 use crate::params::Params;
 use crate::progress::{Event, Flow};
+use crate::scene::{Space, wall};
 use crate::twin::trace::surface_point;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -28,7 +29,8 @@ struct Corner {
 
 impl Solution {
     /// Radiosity at every vertex: one output vertex for each vertex, material and direction of face
-    /// (to a degree). Triangles that were dropped (no area, duplicates) are left out.
+    /// (to a degree). Triangles that were dropped (no area, duplicates) are left out. A flatland scene's segments become
+    /// walls, lit as their foot is.
     ///
     /// Errors: those of the device; [`crate::Error::NotFinite`].
     pub fn vertices(&self, backend: &Backend) -> Result<Mesh> {
@@ -37,13 +39,28 @@ impl Solution {
 
     /// As [`Solution::vertices`], telling its progress.
     pub fn vertices_with(&self, backend: &Backend, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Mesh> {
+        Ok(self.drawn(self.faces_with(backend, tell)?))
+    }
+
+    /// Lit faces as they are drawn: flatland's segments as walls.
+    pub(crate) fn drawn(&self, mesh: Mesh) -> Mesh {
+        match self.scene.space {
+            Space::Solid => mesh,
+            Space::Flatland { height } => walls(mesh, height),
+        }
+    }
+
+    /// The lit faces as the scene has them: flatland's segments as triangles whose last two corners are one.
+    pub(crate) fn faces_with(&self, backend: &Backend, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Mesh> {
         let (corners, mesh) = self.corners();
         let points: Vec<Point> = corners
             .iter()
             .map(|c| {
                 let mut b = [NUDGE / 3.0; 3];
                 b[c.corner] += 1.0 - NUDGE;
-                surface_point(&self.geometry, c.tri, b[1], b[2])
+                // A segment's second and third corner are one.
+                let [b1, b2] = if self.geometry.flatland { [b[1] + b[2], 0.0] } else { [b[1], b[2]] };
+                surface_point(&self.geometry, c.tri, b1, b2)
             })
             .collect();
         // Vertices come by the hundred thousand: gather at contacts and in slots only, with fewer rays.
@@ -104,6 +121,20 @@ impl Solution {
             .collect();
         let sources = order.iter().map(|&t| geometry.source[t as usize]).collect();
         (corners, Mesh { vertices: Vec::new(), faces, sources, part, parts })
+    }
+}
+
+/// The walls on lit segments: two triangles each, with the light of the ground all the way up.
+fn walls(mesh: Mesh, height: f64) -> Mesh {
+    let up = mesh.vertices.len() as u32;
+    let top = mesh.vertices.iter().map(|v| Vertex { p: [v.p[0], v.p[1], height], ..*v });
+    let twice = |x: &Vec<u32>| x.iter().flat_map(|&x| [x, x]).collect();
+    Mesh {
+        faces: mesh.faces.iter().flat_map(|&[a, b, _]| wall(a, b, up)).collect(),
+        sources: twice(&mesh.sources),
+        part: twice(&mesh.part),
+        vertices: mesh.vertices.iter().copied().chain(top).collect(),
+        parts: mesh.parts,
     }
 }
 

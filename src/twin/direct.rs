@@ -5,9 +5,9 @@
 //! exceeds E / n_c, also where emitters touch receivers.
 
 use super::emit::first_hit;
-use super::math::{PI, cosine_direction, invert_cdf, kernel_g, seed_of, unit};
+use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
 use super::sobol::sobol4;
-use super::trace::{position, segment_blocked};
+use super::trace::{place_on, position, segment_blocked};
 use crate::layout::{DirectSum, NONE, Point, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
@@ -34,10 +34,9 @@ pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samp
         let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
         let emitter = geometry.emitters[e as usize];
         let there = &geometry.tris[emitter.tri as usize];
-        let root = place.sqrt();
-        let v = unit(u[1]);
-        let x = position(there, root * (1.0 - v), root * v);
-        let g = kernel_g(x, Vec3::from(there.normal), p, n);
+        let (b1, b2) = place_on(geometry.flatland, place, unit(u[1]));
+        let x = position(there, b1, b2);
+        let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, n);
         if g > 0.0 && there.plane != here.plane && !segment_blocked(geometry, p, x, [here.plane, there.plane]) {
             sum += Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
         }
@@ -45,7 +44,7 @@ pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samp
     for k in round * samples.cosine..(round + 1) * samples.cosine {
         // Sample the cosine; only front faces of emitters count.
         let u = sobol4(k, seed);
-        let direction = cosine_direction(n, unit(u[2]), unit(u[3]));
+        let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
         let (met, hit) = first_hit(geometry, tri, p, direction);
         if met == kind::FRONT {
             let there = &geometry.tris[hit.tri as usize];
@@ -54,7 +53,7 @@ pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samp
             if total > 0.0 {
                 let cos_y = n.dot(direction);
                 let cos_x = -Vec3::from(there.normal).dot(direction);
-                let g = (cos_x / hit.t) * (cos_y / hit.t) / PI;
+                let g = geometric(geometry.flatland, cos_x, cos_y, hit.t);
                 sum += emit * (g / (ne * total * geometry.emitter_density + nc * g));
             }
         }

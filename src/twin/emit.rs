@@ -33,7 +33,7 @@ pub fn is_dead(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, first: u32) ->
     let mut back = (first == kind::BACK) as u32;
     for k in 0..PROBES {
         let u = sobol4(k, seed);
-        let (met, _) = first_hit(geometry, tri, p, cosine_direction(n, unit(u[2]), unit(u[3])));
+        let (met, _) = first_hit(geometry, tri, p, cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3])));
         if met == kind::FRONT {
             return false;
         }
@@ -57,9 +57,9 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
             let (tile, place) = invert_cdf(tiles.len() as u32, |t| tiles[t as usize].cdf, u[0]);
             let tri = geometry.tile_tri[tile as usize];
             let t = &geometry.tris[tri as usize];
-            let (b1, b2) = place_in_tile(t.split, tile - t.first_tile, place, unit(u[1]));
+            let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, place, unit(u[1]));
             let p = position(t, b1, b2);
-            let direction = cosine_direction(Vec3::from(t.normal), unit(u[2]), unit(u[3]));
+            let direction = cosine_direction(geometry.flatland, Vec3::from(t.normal), unit(u[2]), unit(u[3]));
             let (met, hit) = first_hit(geometry, tri, p, direction);
             let density = tiles[tile as usize].density;
             let n = total as f32;
@@ -68,7 +68,8 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
             if met == kind::FRONT {
                 end = surface_point(geometry, hit.tri, hit.b1, hit.b2);
                 end.kind = met;
-                end.density = tiles[tile_of(&geometry.tris[hit.tri as usize], hit.b1, hit.b2) as usize].density;
+                end.density =
+                    tiles[tile_of(geometry.flatland, &geometry.tris[hit.tri as usize], hit.b1, hit.b2) as usize].density;
                 s.weight = 1.0 / (n * (density + end.density));
                 end.weight = s.weight;
             } else if is_dead(geometry, tri, p, seed_of(seed, i), met) {

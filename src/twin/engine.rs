@@ -5,10 +5,11 @@ use super::coefficients::Sums;
 use super::direct::Samples;
 use super::gather::Gathered;
 use super::jacobi::System;
+use super::respond::{Host, Net, Responder};
 use super::winner::{Feature, Metric};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{CellSums, DirectSum, NodeLight, NodeSource, Point, Psi, Tile};
+use crate::layout::{CellSums, DirectSum, NodeLight, NodeSource, Point, Psi, ResponseSums, Sample, Tile};
 use crate::scene::Geometry;
 use std::ops::Range;
 
@@ -35,6 +36,16 @@ impl<'a> TwinEngine<'a> {
     /// A machine for one prepared scene.
     pub fn new(geometry: &'a Geometry) -> TwinEngine<'a> {
         TwinEngine { geometry, surface: Surface::default(), light: Vec::new(), system: System::default() }
+    }
+}
+
+impl Responder for TwinEngine<'_> {
+    fn best(&mut self, inputs: &[Feature], cells: &[Feature]) -> Result<Vec<u32>> {
+        Host.best(inputs, cells)
+    }
+
+    fn respond(&mut self, net: Net, inputs: &[Feature], samples: &mut [Sample]) -> Result<Vec<ResponseSums>> {
+        Host.respond(net, inputs, samples)
     }
 }
 

@@ -22,7 +22,7 @@ pub fn kernel(geometry: &Geometry, points: &[Point]) -> Vec<f32> {
                 return 0.0;
             }
             let (px, py) = (Vec3::from(x.p), Vec3::from(y.p));
-            let g = kernel_g(px, Vec3::from(tx.normal), py, Vec3::from(ty.normal));
+            let g = kernel_g(geometry.flatland, px, Vec3::from(tx.normal), py, Vec3::from(ty.normal));
             if g > 0.0 && !segment_blocked(geometry, px, py, [tx.plane, ty.plane]) { g } else { 0.0 }
         })
         .collect()

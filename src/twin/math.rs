@@ -49,8 +49,12 @@ pub fn cos_sin_turn(u: f32) -> (f32, f32) {
     }
 }
 
-/// A cosine-distributed direction about `n` (Malley's method): density cos/pi.
-pub fn cosine_direction(n: Vec3, u: f32, v: f32) -> Vec3 {
+/// A cosine-distributed direction about `n` (Malley's method): density cos/pi. In flatland within the plane, its
+/// sine uniform: density cos/2.
+pub fn cosine_direction(flatland: bool, n: Vec3, u: f32, v: f32) -> Vec3 {
+    if flatland {
+        return Vec3::new(n.y, -n.x, 0.0) * (2.0 * u - 1.0) + n * (2.0 * (u * (1.0 - u)).sqrt());
+    }
     let (t1, t2) = tangents(n);
     let (c, s) = cos_sin_turn(v);
     let r = u.sqrt();
@@ -58,9 +62,14 @@ pub fn cosine_direction(n: Vec3, u: f32, v: f32) -> Vec3 {
     t1 * (r * c) + t2 * (r * s) + n * z
 }
 
-/// The kernel's geometry part G(x, y) = cos+ cos+ / (pi r^2), from differences scaled by 1/r so that
-/// nothing under- or overflows (hard case A17). Each cosine is clamped by itself (A11).
-pub fn kernel_g(x: Vec3, nx: Vec3, y: Vec3, ny: Vec3) -> f32 {
+/// G of two cosines at distance r: cos cos / (pi r^2), in flatland cos cos / (2 r). Divided step by step, so that
+/// nothing under- or overflows (hard case A17).
+pub fn geometric(flatland: bool, cos_x: f32, cos_y: f32, r: f32) -> f32 {
+    if flatland { (cos_x / r) * cos_y * 0.5 } else { (cos_x / r) * (cos_y / r) / PI }
+}
+
+/// The kernel's geometry part G(x, y), [`geometric`] of both ends' cosines. Each is clamped by itself (A11).
+pub fn kernel_g(flatland: bool, x: Vec3, nx: Vec3, y: Vec3, ny: Vec3) -> f32 {
     let d = y - x;
     let r2 = d.dot(d);
     if r2 <= 0.0 || r2.is_nan() {
@@ -69,7 +78,7 @@ pub fn kernel_g(x: Vec3, nx: Vec3, y: Vec3, ny: Vec3) -> f32 {
     let r = r2.sqrt();
     let cos_x = (nx.dot(d) / r).max(0.0);
     let cos_y = (-ny.dot(d) / r).max(0.0);
-    (cos_x / r) * (cos_y / r) / PI
+    geometric(flatland, cos_x, cos_y, r)
 }
 
 /// First index whose cumulative value exceeds `u`, clamped to the last: inversion of a fixed-point

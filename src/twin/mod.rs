@@ -14,6 +14,7 @@ pub mod jacobi;
 pub mod kernel;
 pub mod math;
 pub mod readout;
+pub mod respond;
 pub mod shoot;
 pub mod sobol;
 pub mod trace;

@@ -22,7 +22,8 @@ pub fn shoot(geometry: &Geometry, points: &[Point], seed: u32, first: u32, rays:
             }
             let n = Vec3::from(geometry.tris[from.tri as usize].normal);
             let u = sobol4(k, seed_of(seed, i));
-            let (met, hit) = first_hit(geometry, from.tri, Vec3::from(from.p), cosine_direction(n, unit(u[0]), unit(u[1])));
+            let direction = cosine_direction(geometry.flatland, n, unit(u[0]), unit(u[1]));
+            let (met, hit) = first_hit(geometry, from.tri, Vec3::from(from.p), direction);
             let mut p = Point { tri: NONE, tile: NONE, ..Point::default() };
             if met != kind::SKY {
                 p = surface_point(geometry, hit.tri, hit.b1, hit.b2);

@@ -1,4 +1,5 @@
-//! Ray traversal (`wgsl/lib/ray.wgsl`, pass `trace`): watertight triangles in a binary hierarchy.
+//! Ray traversal (`wgsl/lib/ray.wgsl`, pass `trace`): watertight triangles, or flatland's segments, in a binary
+//! hierarchy.
 //!
 //! Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. An edge's sign must
 //! come out opposite for the two triangles that share it; a compiler that fuses multiply-adds breaks
@@ -91,6 +92,22 @@ fn intersect(tri: &Tri, origin: Vec3, sh: &Shear, t_max: f32) -> Option<(f32, f3
     if t > 0.0 && t < t_max { Some((t, v / det, w / det)) } else { None }
 }
 
+/// A segment in the plane: a ray passes it where both ends lie strictly on one side. An end that two segments share
+/// gives both the same bits, so nothing passes between them.
+fn intersect_segment(tri: &Tri, origin: Vec3, d: Vec3, t_max: f32) -> Option<(f32, f32, f32)> {
+    let a = Vec3::from(tri.v0) - origin;
+    let b = Vec3::from(tri.v1) - origin;
+    let (fa, fb) = (d.x * a.y - d.y * a.x, d.x * b.y - d.y * b.x);
+    let det = fa - fb;
+    if (fa < 0.0 && fb < 0.0) || (fa > 0.0 && fb > 0.0) || det == 0.0 {
+        return None;
+    }
+    let along = d.x * d.x + d.y * d.y;
+    let (ta, tb) = ((d.x * a.x + d.y * a.y) / along, (d.x * b.x + d.y * b.y) / along);
+    let t = (fa * tb - fb * ta) / det;
+    if t > 0.0 && t < t_max { Some((t, fa / det, 0.0)) } else { None }
+}
+
 /// 1/d with zeros replaced, so that slabs never see 0 * inf (hard case D07).
 fn safe_inverse(d: Vec3) -> Vec3 {
     let f = |x: f32| 1.0 / if x.abs() < 1e-20 { if x < 0.0 { -1e-20 } else { 1e-20 } } else { x };
@@ -107,7 +124,8 @@ fn enter(node: &BvhNode, origin: Vec3, inv: Vec3, t_max: f32) -> f32 {
 }
 
 /// Walks the hierarchy; `any` stops at the first hit.
-fn walk(nodes: &[BvhNode], tris: &[Tri], ray: &Ray, any: bool) -> Hit {
+fn walk(geometry: &Geometry, ray: &Ray, any: bool) -> Hit {
+    let (nodes, tris) = (&geometry.nodes, &geometry.tris);
     let sh = shear(ray.direction);
     let inv = safe_inverse(ray.direction);
     let mut hit = Hit::none(ray.t_max);
@@ -129,7 +147,12 @@ fn walk(nodes: &[BvhNode], tris: &[Tri], ray: &Ray, any: bool) -> Hit {
                 if tri.plane & TWIN != 0 && Vec3::from(tri.normal).dot(ray.direction) >= 0.0 {
                     continue;
                 }
-                if let Some((t, b1, b2)) = intersect(tri, ray.origin, &sh, hit.t) {
+                let met = if geometry.flatland {
+                    intersect_segment(tri, ray.origin, ray.direction, hit.t)
+                } else {
+                    intersect(tri, ray.origin, &sh, hit.t)
+                };
+                if let Some((t, b1, b2)) = met {
                     hit = Hit { t, tri: i, b1, b2 };
                     if any {
                         return hit;
@@ -161,12 +184,12 @@ fn walk(nodes: &[BvhNode], tris: &[Tri], ray: &Ray, any: bool) -> Hit {
 
 /// The nearest triangle a ray meets, from either side.
 pub fn closest(geometry: &Geometry, ray: &Ray) -> Hit {
-    walk(&geometry.nodes, &geometry.tris, ray, false)
+    walk(geometry, ray, false)
 }
 
 /// Whether anything stands in a ray's way.
 pub fn occluded(geometry: &Geometry, ray: &Ray) -> bool {
-    walk(&geometry.nodes, &geometry.tris, ray, true).tri != NONE
+    walk(geometry, ray, true).tri != NONE
 }
 
 /// Whether the open segment from `a` to `b` is blocked, `skip` apart.
@@ -175,9 +198,12 @@ pub fn segment_blocked(geometry: &Geometry, a: Vec3, b: Vec3, skip: [u32; 2]) ->
 }
 
 /// The tile of a triangle that holds barycentric coordinates (b1, b2). Rows run along b1; row i has
-/// `2(split - i) - 1` tiles, lower and upper triangles in turn.
-pub fn tile_of(tri: &Tri, b1: f32, b2: f32) -> u32 {
+/// `2(split - i) - 1` tiles, lower and upper triangles in turn. In flatland tiles follow one another along the segment.
+pub fn tile_of(flatland: bool, tri: &Tri, b1: f32, b2: f32) -> u32 {
     let n = tri.split;
+    if flatland {
+        return tri.first_tile + ((b1.max(0.0) * n as f32) as u32).min(n - 1);
+    }
     let (x, y) = (b1.max(0.0) * n as f32, b2.max(0.0) * n as f32);
     let i = (x as u32).min(n - 1);
     let j = (y as u32).min(n - 1 - i);
@@ -185,8 +211,11 @@ pub fn tile_of(tri: &Tri, b1: f32, b2: f32) -> u32 {
     tri.first_tile + i * (2 * n - i) + 2 * j + upper as u32
 }
 
-/// Barycentric coordinates (b1, b2) of a place (a, b) in [0,1)^2 of tile `k` of a triangle cut `n` times.
-pub fn place_in_tile(n: u32, k: u32, a: f32, b: f32) -> (f32, f32) {
+/// Barycentric coordinates (b1, b2) of a place (a, b) in [0,1)^2 of tile `k` of a triangle, or segment, cut `n` times.
+pub fn place_in_tile(flatland: bool, n: u32, k: u32, a: f32, b: f32) -> (f32, f32) {
+    if flatland {
+        return ((k as f32 + a) * (1.0 / n as f32), 0.0);
+    }
     // Row i holds indices i(2n - i) onwards, so (n - i)^2 = n^2 - k at its start.
     let i = n - ((n * n - k) as f32).sqrt().ceil() as u32;
     let in_row = k - i * (2 * n - i);
@@ -201,6 +230,15 @@ pub fn place_in_tile(n: u32, k: u32, a: f32, b: f32) -> (f32, f32) {
     }
 }
 
+/// Barycentric coordinates (b1, b2) of a uniform place (a, b) in [0,1)^2 of a triangle or segment.
+pub fn place_on(flatland: bool, a: f32, b: f32) -> (f32, f32) {
+    if flatland {
+        return (a, 0.0);
+    }
+    let root = a.sqrt();
+    (root * (1.0 - b), root * b)
+}
+
 /// The position of barycentric coordinates on a triangle.
 pub fn position(tri: &Tri, b1: f32, b2: f32) -> Vec3 {
     let v0 = Vec3::from(tri.v0);
@@ -208,10 +246,13 @@ pub fn position(tri: &Tri, b1: f32, b2: f32) -> Vec3 {
 }
 
 /// Barycentric coordinates of a position on a triangle (least squares, f64 where it costs nothing).
-pub fn barycentric(tri: &Tri, p: Vec3) -> (f32, f32) {
+pub fn barycentric(flatland: bool, tri: &Tri, p: Vec3) -> (f32, f32) {
     let v0 = Vec3::from(tri.v0).as_dvec3();
     let (e1, e2, d) = (Vec3::from(tri.v1).as_dvec3() - v0, Vec3::from(tri.v2).as_dvec3() - v0, p.as_dvec3() - v0);
     let (a, b, c, f, g) = (e1.dot(e1), e1.dot(e2), e2.dot(e2), e1.dot(d), e2.dot(d));
+    if flatland {
+        return ((f / a) as f32, 0.0);
+    }
     let det = a * c - b * b;
     (((c * f - b * g) / det) as f32, ((a * g - b * f) / det) as f32)
 }
@@ -219,5 +260,5 @@ pub fn barycentric(tri: &Tri, p: Vec3) -> (f32, f32) {
 /// A surface point from barycentric coordinates, with its tile; `kind`, `weight` and `density` are left 0.
 pub fn surface_point(geometry: &Geometry, tri: u32, b1: f32, b2: f32) -> Point {
     let t = &geometry.tris[tri as usize];
-    Point { p: position(t, b1, b2).to_array(), tri, tile: tile_of(t, b1, b2), ..Point::default() }
+    Point { p: position(t, b1, b2).to_array(), tri, tile: tile_of(geometry.flatland, t, b1, b2), ..Point::default() }
 }

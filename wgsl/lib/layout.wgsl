@@ -143,3 +143,26 @@ struct Plane {
     i22: f32,
     material: u32,
 }
+
+struct Sample {
+    winner: u32,
+    goal: f32,
+    weight: f32, // importance
+    output: f32,
+}
+
+struct CellOutput {
+    slope: array<f32, 13>,
+    value: f32,
+    width: f32,
+    pad0: f32,
+}
+
+struct ResponseSums {
+    feature: array<Fixed, 13>,
+    count: Fixed,
+    share: Fixed,
+    error: Fixed,
+    gain: Fixed,
+    activation: Fixed,
+}

@@ -1,5 +1,8 @@
 // Small maths: the twin of src/twin/math.rs, operation by operation.
 
+// Whether the scene lies in flatland: segments in the plane z = 0. Set by the host for each pipeline.
+override FLATLAND: bool = false;
+
 const PI: f32 = 3.14159265358979;
 const F32_MAX: f32 = 0x1.fffffep+127f;
 
@@ -61,8 +64,11 @@ fn cos_sin_turn(u: f32) -> vec2<f32> {
     return vec2<f32>(s, -c);
 }
 
-// A cosine-distributed direction about n.
+// A cosine-distributed direction about n; in flatland within the plane, its sine uniform.
 fn cosine_direction(n: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
+    if FLATLAND {
+        return vec3<f32>(n.y, -n.x, 0.0) * (2.0 * u - 1.0) + n * (2.0 * sqrt(u * (1.0 - u)));
+    }
     let t = tangents(n);
     let cs = cos_sin_turn(v);
     let r = sqrt(u);
@@ -70,7 +76,15 @@ fn cosine_direction(n: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
     return t.t1 * (r * cs.x) + t.t2 * (r * cs.y) + n * z;
 }
 
-// G(x, y) = cos+ cos+ / (pi r^2).
+// G of two cosines at distance r: cos cos / (pi r^2), in flatland cos cos / (2 r).
+fn geometric(cos_x: f32, cos_y: f32, r: f32) -> f32 {
+    if FLATLAND {
+        return (cos_x / r) * cos_y * 0.5;
+    }
+    return (cos_x / r) * (cos_y / r) / PI;
+}
+
+// G(x, y) of both ends' cosines.
 fn kernel_g(x: vec3<f32>, nx: vec3<f32>, y: vec3<f32>, ny: vec3<f32>) -> f32 {
     let d = y - x;
     let r2 = dot3(d, d);
@@ -80,5 +94,5 @@ fn kernel_g(x: vec3<f32>, nx: vec3<f32>, y: vec3<f32>, ny: vec3<f32>) -> f32 {
     let r = sqrt(r2);
     let cos_x = max(dot3(nx, d) / r, 0.0);
     let cos_y = max(-dot3(ny, d) / r, 0.0);
-    return (cos_x / r) * (cos_y / r) / PI;
+    return geometric(cos_x, cos_y, r);
 }

@@ -41,9 +41,15 @@ fn enter(i: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
     return select(F32_MAX, near, near * 0.9999995 <= far && near * 0.9999995 < t_max);
 }
 
-// Walks the hierarchy, ignoring two planar pieces; `any` stops at the first hit.
-fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
-    // Shear the direction to +z, its largest axis last.
+// The frame of a ray in which it meets triangles: the direction sheared to +z, its largest axis last.
+struct Shear {
+    kz: u32,
+    sx: f32,
+    sy: f32,
+    sz: f32,
+}
+
+fn shear(direction: vec3<f32>) -> Shear {
     let a = abs(direction);
     var kz = 2u;
     if a.x > a.y && a.x > a.z {
@@ -52,9 +58,55 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
         kz = 1u;
     }
     let d = turned(direction, kz);
-    let sx = d.x / d.z;
-    let sy = d.y / d.z;
-    let sz = 1.0 / d.z;
+    return Shear(kz, d.x / d.z, d.y / d.z, 1.0 / d.z);
+}
+
+// Where a ray meets triangle i before t_max, or NONE.
+fn meet_triangle(i: u32, origin: vec3<f32>, s: Shear, t_max: f32) -> Hit {
+    let va = turned(tris[i].v0 - origin, s.kz);
+    let vb = turned(tris[i].v1 - origin, s.kz);
+    let vc = turned(tris[i].v2 - origin, s.kz);
+    let pa = vec2<f32>(va.x - s.sx * va.z, va.y - s.sy * va.z);
+    let pb = vec2<f32>(vb.x - s.sx * vb.z, vb.y - s.sy * vb.z);
+    let pc = vec2<f32>(vc.x - s.sx * vc.z, vc.y - s.sy * vc.z);
+    let u = edge(pc, pb);
+    let v = edge(pa, pc);
+    let w = edge(pb, pa);
+    let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+    let det = u + v + w;
+    if outside || det == 0.0 {
+        return Hit(t_max, NONE, 0.0, 0.0);
+    }
+    let t = (u * (s.sz * va.z) + v * (s.sz * vb.z) + w * (s.sz * vc.z)) / det;
+    if t > 0.0 && t < t_max {
+        return Hit(t, i, v / det, w / det);
+    }
+    return Hit(t_max, NONE, 0.0, 0.0);
+}
+
+// The same of flatland's segment i: the ray passes it where both ends lie strictly on one side.
+fn meet_segment(i: u32, origin: vec3<f32>, d: vec3<f32>, t_max: f32) -> Hit {
+    let a = tris[i].v0 - origin;
+    let b = tris[i].v1 - origin;
+    let fa = d.x * a.y - d.y * a.x;
+    let fb = d.x * b.y - d.y * b.x;
+    let det = fa - fb;
+    if (fa < 0.0 && fb < 0.0) || (fa > 0.0 && fb > 0.0) || det == 0.0 {
+        return Hit(t_max, NONE, 0.0, 0.0);
+    }
+    let along = d.x * d.x + d.y * d.y;
+    let ta = (d.x * a.x + d.y * a.y) / along;
+    let tb = (d.x * b.x + d.y * b.y) / along;
+    let t = (fa * tb - fb * ta) / det;
+    if t > 0.0 && t < t_max {
+        return Hit(t, i, fa / det, 0.0);
+    }
+    return Hit(t_max, NONE, 0.0, 0.0);
+}
+
+// Walks the hierarchy, ignoring two planar pieces; `any` stops at the first hit.
+fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+    let frame = shear(direction);
     let inv = vec3<f32>(1.0 / nonzero(direction.x), 1.0 / nonzero(direction.y), 1.0 / nonzero(direction.z));
 
     var hit = Hit(t_max, NONE, 0.0, 0.0);
@@ -77,24 +129,14 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
                 if (plane & TWIN) != 0u && dot3(tris[i].normal, direction) >= 0.0 {
                     continue;
                 }
-                // Meet the triangle in the sheared frame.
-                let va = turned(tris[i].v0 - origin, kz);
-                let vb = turned(tris[i].v1 - origin, kz);
-                let vc = turned(tris[i].v2 - origin, kz);
-                let pa = vec2<f32>(va.x - sx * va.z, va.y - sy * va.z);
-                let pb = vec2<f32>(vb.x - sx * vb.z, vb.y - sy * vb.z);
-                let pc = vec2<f32>(vc.x - sx * vc.z, vc.y - sy * vc.z);
-                let u = edge(pc, pb);
-                let v = edge(pa, pc);
-                let w = edge(pb, pa);
-                let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
-                let det = u + v + w;
-                if outside || det == 0.0 {
-                    continue;
+                var met: Hit;
+                if FLATLAND {
+                    met = meet_segment(i, origin, direction, hit.t);
+                } else {
+                    met = meet_triangle(i, origin, frame, hit.t);
                 }
-                let t = (u * (sz * va.z) + v * (sz * vb.z) + w * (sz * vc.z)) / det;
-                if t > 0.0 && t < hit.t {
-                    hit = Hit(t, i, v / det, w / det);
+                if met.tri != NONE {
+                    hit = met;
                     if any_hit {
                         return hit;
                     }

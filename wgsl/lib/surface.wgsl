@@ -2,9 +2,12 @@
 // src/twin/emit.rs. The kernel binds what lib/ray.wgsl asks for.
 #import ray
 
-// The tile of a triangle that holds barycentric coordinates.
+// The tile of a triangle, or flatland segment, that holds barycentric coordinates.
 fn tile_of(tri: u32, b1: f32, b2: f32) -> u32 {
     let n = tris[tri].split;
+    if FLATLAND {
+        return tris[tri].first_tile + min(u32(max(b1, 0.0) * f32(n)), n - 1u);
+    }
     let x = max(b1, 0.0) * f32(n);
     let y = max(b2, 0.0) * f32(n);
     let i = min(u32(x), n - 1u);
@@ -13,8 +16,11 @@ fn tile_of(tri: u32, b1: f32, b2: f32) -> u32 {
     return tris[tri].first_tile + i * (2u * n - i) + 2u * j + select(0u, 1u, upper);
 }
 
-// Barycentric coordinates of a place (a, b) in [0,1)^2 of tile k of a triangle cut n times.
+// Barycentric coordinates of a place (a, b) in [0,1)^2 of tile k of a triangle, or segment, cut n times.
 fn place_in_tile(n: u32, k: u32, a: f32, b: f32) -> vec2<f32> {
+    if FLATLAND {
+        return vec2<f32>((f32(k) + a) * (1.0 / f32(n)), 0.0);
+    }
     // Row i starts at i(2n - i): n - i is the root of n^2 - k rounded up, exactly.
     let left = n * n - k;
     var rows = u32(ceil(sqrt(f32(left))));
@@ -31,6 +37,15 @@ fn place_in_tile(n: u32, k: u32, a: f32, b: f32) -> vec2<f32> {
         return vec2<f32>((f32(i) + s) * scale, (f32(j) + t) * scale);
     }
     return vec2<f32>((f32(i) + 1.0 - s) * scale, (f32(j) + 1.0 - t) * scale);
+}
+
+// Barycentric coordinates of a uniform place (a, b) in [0,1)^2 of a triangle or segment.
+fn place_on(a: f32, b: f32) -> vec2<f32> {
+    if FLATLAND {
+        return vec2<f32>(a, 0.0);
+    }
+    let root = sqrt(a);
+    return vec2<f32>(root * (1.0 - b), root * b);
 }
 
 fn position(tri: u32, b1: f32, b2: f32) -> vec3<f32> {

@@ -98,7 +98,8 @@ pub fn already(folder: &Path, scene: &Scene, params: &Params) -> Option<Solution
     let then = solution.scene();
     let same = !solution.is_partial()
         && solution.report().params == *params
-        && (&then.vertices, &then.faces, &then.materials) == (&scene.vertices, &scene.faces, &scene.materials);
+        && (then.space, &then.vertices, &then.faces, &then.materials)
+            == (scene.space, &scene.vertices, &scene.faces, &scene.materials);
     same.then_some(solution)
 }
 

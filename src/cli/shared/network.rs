@@ -20,6 +20,17 @@ pub struct Network {
     /// How light straight from emitters is carried [default: exact].
     #[arg(long, value_enum)]
     pub direct: Option<Direct>,
+    /// How the kernel of a flatland scene is normalised [default: lambert].
+    #[arg(long, value_enum)]
+    pub norm: Option<Norm>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Norm {
+    /// cos cos / (2 r): what a diffuse line sends out arrives.
+    Lambert,
+    /// cos cos / (2 pi r), as the paper of 1997 prints it: 68 % of all light is lost.
+    Paper1997,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -39,6 +50,10 @@ pub fn params(flags: &Network) -> Result<Params> {
         direct: flags.direct.map_or(default.direct, |d| match d {
             Direct::Exact => params::Direct::Exact,
             Direct::Network => params::Direct::Network,
+        }),
+        norm: flags.norm.map_or(default.norm, |n| match n {
+            Norm::Lambert => params::Norm::Lambert,
+            Norm::Paper1997 => params::Norm::Paper1997,
         }),
         ..default
     };

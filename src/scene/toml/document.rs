@@ -13,6 +13,9 @@ pub struct Document {
     #[serde(default)]
     pub mesh: Vec<Spanned<Mesh>>,
     #[serde(default)]
+    pub segment: Vec<Spanned<Segment>>,
+    pub height: Option<Spanned<f64>>,
+    #[serde(default)]
     pub material: Vec<Spanned<Material>>,
     #[serde(default)]
     pub camera: Vec<Spanned<Camera>>,
@@ -48,6 +51,30 @@ pub struct Mesh {
     pub two_sided: bool,
 }
 
+/// Flatland segments from point to point.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    pub name: String,
+    pub material: String,
+    pub points: Vec<[f64; 2]>,
+    #[serde(default)]
+    pub closed: bool,
+    #[serde(default)]
+    pub side: Side,
+    #[serde(default)]
+    pub two_sided: bool,
+}
+
+/// The front of a segment, for one who walks from its first point to the next and sees x to the right of y.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    #[default]
+    Left,
+    Right,
+}
+
 /// What a material is like, over what the files say.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -69,8 +96,7 @@ pub struct Camera {
     pub name: String,
     pub eye: [f64; 3],
     pub target: [f64; 3],
-    #[serde(default = "y")]
-    pub up: [f64; 3],
+    pub up: Option<[f64; 3]>,
     #[serde(default = "forty")]
     pub vfov: f64,
     #[serde(default = "pixels")]
@@ -98,10 +124,6 @@ impl Values {
 
 fn one() -> f64 {
     1.0
-}
-
-fn y() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
 }
 
 fn forty() -> f64 {

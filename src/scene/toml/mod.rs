@@ -2,16 +2,16 @@
 
 mod document;
 
-use super::load::{Kind, Reader, kind, place};
+use super::load::{Kind, Reader, Up, kind, place};
 use super::mtl::{GREY, not_quite_one};
 use super::polygon::{Cut, cut};
 use super::text::decode;
 use super::transform::{self, From};
 use super::unread::Unread;
-use super::{Face, Material, Scene, View, gltf, obj, sides};
+use super::{Face, Material, Scene, Space, View, gltf, obj, sides};
 use crate::error::{Error, Result};
 use crate::solution;
-use document::Document;
+use document::{Document, Side};
 use glam::{DMat4, DQuat, DVec3, EulerRot};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -51,6 +51,32 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
         mesh(&at, entry.span(), entry.as_ref(), &overridden, &mut scene, &mut crossing)?;
         at.finite(entry.span(), "mesh", &entry.as_ref().name, &scene, from.vertices)?;
     }
+    if let Some(first) = document.segment.first() {
+        if !document.file.is_empty() || !document.mesh.is_empty() {
+            return Err(at.fault(first.span(), "is a flatland segment beside files or meshes; a scene has one kind or the other"));
+        }
+        if reader.options.up != Up::Y {
+            return Err(at.fault(first.span(), "lies in flatland, which has no upward axis to choose; leave --up away"));
+        }
+        scene.space = Space::Flatland { height: 0.0 };
+    }
+    for entry in &document.segment {
+        let from = From::end(&scene);
+        segment(&at, entry.span(), entry.as_ref(), &overridden, &mut scene)?;
+        at.finite(entry.span(), "segment", &entry.as_ref().name, &scene, from.vertices)?;
+    }
+    let height = document.height.as_ref().map(|h| (*h.as_ref(), h.span()));
+    match (&mut scene.space, height) {
+        (Space::Solid, Some((_, span))) => {
+            return Err(at.fault(span, "is the height of flatland's walls, and there is no [[segment]]"));
+        }
+        (Space::Flatland { .. }, Some((height, span))) if !(height > 0.0 && height.is_finite()) => {
+            return Err(at.fault(span, &format!("is a height of {height}; give metres, more than 0")));
+        }
+        (Space::Flatland { height }, Some((given, _))) => *height = given,
+        (Space::Flatland { .. }, None) => scene.space = Space::Flatland { height: scene.wall_height() },
+        (Space::Solid, None) => {}
+    }
     crossing.warn_as(path, "cut into triangles that overlap", "give triangles", &mut scene.warnings);
 
     // Materials by name; lumens last, when all areas are known.
@@ -62,8 +88,10 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
     }
     for entry in &document.camera {
         let c = entry.as_ref();
+        // Flatland's walls stand on the plane z = 0.
+        let up = c.up.unwrap_or(if scene.is_flatland() { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] });
         let camera =
-            solution::Camera { eye: c.eye, target: c.target, up: c.up, vfov_degrees: c.vfov, width: c.width, height: c.height };
+            solution::Camera { eye: c.eye, target: c.target, up, vfov_degrees: c.vfov, width: c.width, height: c.height };
         camera.check().map_err(|e| at.fault(entry.span(), &format!("camera '{}' cannot be used: {e}", c.name)))?;
         scene.cameras.push(View { name: c.name.clone(), camera });
     }
@@ -165,6 +193,46 @@ fn file(
     Ok(())
 }
 
+/// The number of a material of this name; a new one is grey until a table says more.
+fn material_named(at: &Place, span: Range<usize>, name: &String, overridden: &[String], scene: &mut Scene) -> u32 {
+    if let Some(known) = scene.materials.iter().position(|m| m.name == *name) {
+        return known as u32;
+    }
+    scene.materials.push(Material::new(name, [GREY; 3], [0.0; 3]));
+    let place = at.name(span);
+    if !overridden.contains(name) {
+        scene.warnings.push(format!(
+            "{place}: material '{name}' has no reflectance and is taken for {GREY} grey; add it under [[material]]"
+        ));
+    }
+    scene.material_places.push(place);
+    scene.materials.len() as u32 - 1
+}
+
+/// Adds flatland segments.
+fn segment(at: &Place, span: Range<usize>, entry: &document::Segment, overridden: &[String], scene: &mut Scene) -> Result<()> {
+    let count = entry.points.len();
+    if count < 2 {
+        return Err(at.fault(span, &format!("segment '{}' has fewer than two points", entry.name)));
+    }
+    let from = From::end(scene);
+    let first = scene.vertices.len() as u32;
+    scene.vertices.extend(entry.points.iter().map(|&[x, y]| [x, y, 0.0]));
+    let material = material_named(at, span, &entry.material, overridden, scene);
+    let object = scene.objects.len() as u32;
+    scene.objects.push(entry.name.clone());
+    for i in 0..if entry.closed { count } else { count - 1 } {
+        let (a, b) = (first + i as u32, first + ((i + 1) % count) as u32);
+        let [a, b] = if entry.side == Side::Left { [a, b] } else { [b, a] };
+        scene.faces.push(Face { vertices: [a, b, b], material, object });
+    }
+    if entry.two_sided {
+        let faces = from.faces..scene.faces.len();
+        sides::mirror_range(scene, faces, |_| true);
+    }
+    Ok(())
+}
+
 /// Adds a mesh that is written out.
 fn mesh(
     at: &Place,
@@ -176,18 +244,7 @@ fn mesh(
 ) -> Result<()> {
     let (first, count) = (scene.vertices.len(), entry.vertices.len());
     scene.vertices.extend(&entry.vertices);
-    let known = scene.materials.iter().position(|m| m.name == entry.material);
-    let material = known.unwrap_or(scene.materials.len()) as u32;
-    if known.is_none() {
-        scene.materials.push(Material::new(&entry.material, [GREY; 3], [0.0; 3]));
-        scene.material_places.push(at.name(span.clone()));
-        if !overridden.contains(&entry.material) {
-            let (place, name) = (at.name(span.clone()), &entry.material);
-            scene.warnings.push(format!(
-                "{place}: material '{name}' has no reflectance and is taken for {GREY} grey; add it under [[material]]"
-            ));
-        }
-    }
+    let material = material_named(at, span.clone(), &entry.material, overridden, scene);
     let object = scene.objects.len() as u32;
     scene.objects.push(entry.name.clone());
     let from = From::end(scene);
@@ -222,6 +279,9 @@ fn material(at: &Place, span: Range<usize>, entry: &document::Material, unit: f6
     if of_name.is_empty() {
         let name = &entry.name;
         scene.warnings.push(format!("{place}: material '{name}' is used by no face; correct its name"));
+    }
+    if scene.is_flatland() && (entry.radiance.is_some() || entry.lumens.is_some()) {
+        return Err(fault("has radiance or lumens, which flatland does not know; give radiosity, W/m"));
     }
     let radiance = match (entry.radiance, entry.radiosity, entry.lumens) {
         (None, None, None) => None,
