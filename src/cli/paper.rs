@@ -1,0 +1,95 @@
+//! `raycell paper`: the figures of the paper, made again.
+
+use super::console::Console;
+use super::exit::Done;
+use super::log::Log;
+use super::shared::interrupt::{heed, interrupt};
+use super::shared::machine::{Device, Machine};
+use crate::error::{Error, Result};
+use crate::paper::{Figure, Press, fig1, fig2, page};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  raycell paper all -o figures
+      Every figure of the paper as PNG and SVG, its data as CSV, and one page: figures/index.html.
+  raycell paper fig2 --function bells --cells 200 --k 3
+      Another function of the plane, with other networks.
+  raycell paper fig2 --function portrait.png --cells 2000
+      An image is a function, too: its brightness.";
+
+#[derive(Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Flags {
+    /// Which figure.
+    #[arg(value_enum)]
+    pub figure: Which,
+    /// Folder for the figures, made where it does not exist.
+    #[arg(short, long, value_name = "DIR", default_value = "figures")]
+    pub output: PathBuf,
+    /// Seed of every random sequence: same seed, same device, same bytes.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u32,
+    /// Fig. 2: the function to fit: ridge-step, bells, or a .png whose brightness it is.
+    #[arg(long, value_name = "NAME|IMAGE")]
+    pub function: Option<String>,
+    /// Fig. 2: cells of the network.
+    #[arg(long)]
+    pub cells: Option<usize>,
+    /// Fig. 2: dimension of the network's topology, 1 to 4.
+    #[arg(long)]
+    pub k: Option<usize>,
+    #[command(flatten)]
+    pub device: Device,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Which {
+    /// A museum, from two places.
+    Fig1,
+    /// A function of the plane.
+    Fig2,
+    All,
+}
+
+pub fn run(flags: Flags, console: &Console) -> Result<Done> {
+    let begin = Instant::now();
+    let mut plane = fig2::Options::default();
+    plane.function = flags.function.unwrap_or(plane.function);
+    plane.cells = flags.cells.unwrap_or(plane.cells);
+    plane.k = flags.k.unwrap_or(plane.k);
+    plane.check()?;
+    let dir = &flags.output;
+    let mut log = Log::new(console);
+    let stop = interrupt();
+    let machine = Machine::open(&flags.device, &log)?;
+    std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
+    let mut tell = |event: &crate::progress::Event| heed(&mut log, &stop, event);
+    let mut press = Press { dir, backend: &machine.backend, seed: flags.seed, tell: &mut tell };
+    let mut figures: Vec<Figure> = Vec::new();
+    let wanted = |which| flags.figure == Which::All || flags.figure == which;
+    if wanted(Which::Fig1) {
+        figures.push(machine.judge("figure 1", fig1::make(&mut press, &fig1::Options::default()))?);
+    }
+    if wanted(Which::Fig2) {
+        figures.push(machine.judge("figure 2", fig2::make(&mut press, &plane))?);
+    }
+    page::write(dir, &figures)?;
+    log.finish();
+    for figure in &figures {
+        for n in &figure.numbers {
+            log.line(&format!("{}: {}: {} {}", figure.name, n.what, crate::plot::panel::number(n.value), n.unit));
+        }
+    }
+    log.line(&format!("wrote {}", dir.join("index.html").display()));
+    let numbers = |f: &Figure| f.numbers.iter().map(|n| (n.what.clone(), json!(n.value))).collect::<serde_json::Map<_, _>>();
+    Ok(Done::new(json!({
+        "command": "paper",
+        "output": dir.display().to_string(),
+        "figures": figures.iter().map(|f| (f.name.to_string(), json!(numbers(f)))).collect::<serde_json::Map<_, _>>(),
+        "seconds": begin.elapsed().as_secs_f64(),
+    })))
+}

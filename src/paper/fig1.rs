@@ -1,0 +1,119 @@
+//! Fig. 1: a museum from two places, of one solution.
+
+use super::{Figure, Press, stage};
+use crate::error::{Error, Result};
+use crate::output::image::Tone;
+use crate::params::Params;
+use crate::plot::panel::titled;
+use crate::plot::{draw, picture::picture};
+use crate::scene::{LoadOptions, Scene};
+use crate::solution::{Camera, Image};
+use std::path::Path;
+
+/// How much of it is made.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Light rays of the bake.
+    pub rays: u32,
+    /// Pixels across a view.
+    pub width: u32,
+    /// Pixels down a view.
+    pub height: u32,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { rays: 262_144, width: 480, height: 300 }
+    }
+}
+
+/// The files of `scenes/museum`, as they were when the program was built.
+const MUSEUM: [(&str, &[u8]); 3] = [
+    ("scene.toml", include_bytes!("../../scenes/museum/scene.toml")),
+    ("scene.obj", include_bytes!("../../scenes/museum/scene.obj")),
+    ("scene.mtl", include_bytes!("../../scenes/museum/scene.mtl")),
+];
+
+/// The museum.
+pub fn scene(press: &mut Press) -> Result<Scene> {
+    let mut read = |path: &Path| {
+        let name = path.file_name().unwrap_or_default();
+        let file = MUSEUM.iter().find(|(n, _)| *n == name);
+        file.map(|(_, bytes)| bytes.to_vec()).ok_or_else(|| std::io::ErrorKind::NotFound.into())
+    };
+    let mut scene = Scene::load_from(Path::new("museum/scene.toml"), &LoadOptions::default(), &mut read, press.tell)?;
+    scene.name = "museum".into();
+    Ok(scene)
+}
+
+/// Makes the figure.
+pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
+    let scene = scene(press)?;
+    // A picture for the eye: a few per cent of noise in what is lit directly are not seen.
+    let params = Params {
+        seed: press.seed,
+        rays: options.rays,
+        direct_tolerance: 0.04,
+        direct_samples: 64,
+        gather_rays: 48,
+        gather_threshold: 0.5,
+        ..Params::default()
+    };
+    let begin = std::time::Instant::now();
+    let solution = crate::bake(press.backend, &scene, &params, press.tell)?;
+    let baked = begin.elapsed().as_secs_f64();
+    let mut views: Vec<(String, Image)> = Vec::new();
+    for view in &scene.cameras {
+        stage(press, "render")?;
+        let camera = Camera { width: options.width, height: options.height, ..view.camera };
+        views.push((view.name.clone(), solution.render_with(press.backend, &camera, press.tell)?));
+    }
+    let rendered = begin.elapsed().as_secs_f64() - baked;
+    let [a, b] = views.as_slice() else {
+        return Err(Error::EmptyScene { scene: scene.name.clone() });
+    };
+
+    // One exposure for both: one light.
+    let all: Vec<[f32; 3]> = views.iter().flat_map(|(_, image)| image.rgb.iter().copied()).collect();
+    let tone = Tone::auto(&all);
+    let mut figure = Figure::new("fig1", "Fig. 1: a museum, from two places, of one solution");
+    let (width, height) = (1200, 30 + 588 * options.height / options.width);
+    let drawn = draw(width, height, |page| {
+        let (left, right) = page.split_horizontally(crate::plot::unit(600.0));
+        for (area, (name, image)) in [(left, a), (right, b)] {
+            let pixels: Vec<[u8; 3]> = image.rgb.iter().map(|&c| tone.map(c)).collect();
+            picture(&titled(&area, name)?, &pixels, image.width, image.height)?;
+        }
+        Ok(())
+    });
+    figure.drawing(press, drawn)?;
+    let rows = views.iter().enumerate().flat_map(|(v, (_, image))| {
+        image.rgb.iter().enumerate().map(move |(i, rgb)| {
+            let (x, y) = (i as u32 % image.width, i as u32 / image.width);
+            [v as f64, x as f64, y as f64].into_iter().chain(rgb.iter().map(|&c| c as f64)).collect()
+        })
+    });
+    figure.csv(press, ".csv", "view,x,y,radiance_r,radiance_g,radiance_b", rows)?;
+
+    let report = solution.report();
+    figure.about.push(format!(
+        "Three rooms under skylights ({} triangles, our own), baked once in flux mode and seen from two cameras; the paper \
+         shows a museum likewise. Both views have one exposure ({tone}).",
+        scene.faces.len()
+    ));
+    figure.about.push(
+        "There is no truth for this scene; what can be told is the account of its energy: what is emitted, less what is \
+         absorbed and what escapes, as a share of what is emitted."
+            .into(),
+    );
+    figure.number("triangles", scene.faces.len() as f64, "");
+    figure.number("light rays", options.rays as f64, "");
+    figure.number("cells", report.cells as f64, "");
+    if let Some(imbalance) = report.energy.imbalance {
+        figure.number("energy not accounted for", imbalance.abs(), "1");
+    }
+    // Times differ from run to run: they are told on the page, and written nowhere that bytes are compared.
+    figure.about.push(format!("Bake {baked:.1} s, both views {rendered:.1} s."));
+    figure.finish(press)?;
+    Ok(figure)
+}
