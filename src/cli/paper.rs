@@ -6,7 +6,7 @@ use super::log::Log;
 use super::shared::interrupt::{heed, interrupt};
 use super::shared::machine::{Device, Machine};
 use crate::error::{Error, Result};
-use crate::paper::{Figure, Press, fig1, fig2, page};
+use crate::paper::{Figure, Press, fig1, fig2, fig3, fig4, page};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
@@ -52,6 +52,12 @@ pub enum Which {
     Fig1,
     /// A function of the plane.
     Fig2,
+    /// A kernel in flatland.
+    Fig3,
+    /// One reflection in flatland.
+    Fig4a,
+    /// One reflection in space.
+    Fig4bc,
     All,
 }
 
@@ -76,6 +82,15 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     }
     if wanted(Which::Fig2) {
         figures.push(machine.judge("figure 2", fig2::make(&mut press, &plane))?);
+    }
+    if wanted(Which::Fig3) {
+        figures.push(machine.judge("figure 3", fig3::make(&mut press, &fig3::Options::default()))?);
+    }
+    if wanted(Which::Fig4a) {
+        figures.push(machine.judge("figure 4a", fig4::flat(&mut press, &fig4::Options::default()))?);
+    }
+    if wanted(Which::Fig4bc) {
+        figures.push(machine.judge("figure 4b", fig4::solid(&mut press, &fig4::Options::default()))?);
     }
     page::write(dir, &figures)?;
     log.finish();

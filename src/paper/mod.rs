@@ -1,8 +1,12 @@
 //! The figures of the paper, made again: Bohn, "A neural network representation of three-dimensional geometrical
 //! scene descriptions", 1997. A file a figure; [`page`] puts them on one page.
 
+mod dense;
 pub mod fig1;
 pub mod fig2;
+pub mod fig3;
+pub mod fig4;
+mod kernel;
 pub mod page;
 
 use crate::engine::Backend;

@@ -1,6 +1,6 @@
 //! Panels with two axes: heat maps, dots, lines.
 
-use super::color::{GREY, INK, Map, PAPER};
+use super::color::{GREY, INK, Map};
 use super::sheet::{Area, Sheet, unit};
 use super::{Fault, Grid};
 use plotters::chart::ChartContext;
@@ -167,9 +167,9 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// Words at a place.
-    pub fn words(&mut self, at: [f64; 2], words: &str, right: bool) -> Result<(), Fault> {
-        let pos = Pos::new(if right { HPos::Right } else { HPos::Left }, VPos::Center);
+    /// Words at a place: in their middle, or from it on.
+    pub fn words(&mut self, at: [f64; 2], words: &str, centred: bool) -> Result<(), Fault> {
+        let pos = Pos::new(if centred { HPos::Center } else { HPos::Left }, VPos::Center);
         let text = Text::new(words.to_string(), self.at(at), text(TEXT - 1.0).pos(pos));
         self.chart.draw_series(std::iter::once(text))?;
         Ok(())
@@ -222,9 +222,4 @@ pub fn heat_map<'a>(
         .draw()?;
     let mut panel = Panel { chart, x: Axis::linear("", [0.0, 1.0]), y: Axis::linear("", [map.low, map.high]) };
     panel.heat(&ramp, &|v| map.of(v))
-}
-
-/// A frame of paper behind what follows.
-pub fn blank(area: &Area) -> Result<(), Fault> {
-    Ok(area.fill(&PAPER)?)
 }
