@@ -1,6 +1,9 @@
 //! Every tuning number of a bake: unit, range, default, what it costs, where it comes from.
 
+mod paper;
+
 use crate::error::{Error, Result};
+pub use paper::{Fit, Form, Output, PaperParams};
 use serde::{Deserialize, Serialize};
 
 /// How light that comes straight from emitters is carried.
@@ -12,6 +15,23 @@ pub enum Direct {
     Exact,
     /// Through the network like all other light (the paper's idea): no shadow rays, soft shadow edges.
     Network,
+}
+
+/// What the network learns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// The flow of light: cells are bundles of light rays.
+    #[default]
+    Flux,
+    /// The kernel itself, as the seed paper does (Bohn 1997): to reproduce it and to measure it.
+    Paper,
+}
+
+impl Mode {
+    fn is_flux(&self) -> bool {
+        *self == Mode::Flux
+    }
 }
 
 /// How flatland's kernel is normalised.
@@ -44,6 +64,8 @@ impl Norm {
 const NODES_PER_ROOT: f64 = 1.4;
 /// The same in flatland.
 const FLAT_NODES_PER_ROOT: f64 = 0.4;
+/// The same in paper mode, whose nodes carry values alone, for each kernel evaluation.
+const PAPER_NODES_PER_ROOT: f64 = 2.0;
 /// Planar pieces beyond which each gets a node.
 const PIECES: u32 = 200;
 
@@ -97,6 +119,12 @@ pub struct Params {
     pub tolerance: f64,
     /// Most Jacobi sweeps, 1 to 1,000,000; default 20,000.
     pub max_sweeps: u32,
+    /// What the network learns.
+    #[serde(default, skip_serializing_if = "Mode::is_flux")]
+    pub mode: Mode,
+    /// What [`Mode::Paper`] goes by.
+    #[serde(default, skip_serializing_if = "PaperParams::is_default")]
+    pub paper: PaperParams,
 }
 
 impl Default for Params {
@@ -122,27 +150,21 @@ impl Default for Params {
             refinements: 2,
             tolerance: 1e-5,
             max_sweeps: 20_000,
+            mode: Mode::Flux,
+            paper: PaperParams::default(),
         }
     }
+}
+
+/// Refuses a value outside `low..=high`.
+fn within<T: PartialOrd + std::fmt::Display>(name: &'static str, value: T, low: T, high: T, range: &'static str) -> Result<()> {
+    // A NaN compares false, and is refused with the rest.
+    if value >= low && value <= high { Ok(()) } else { Err(Error::InvalidParam { name, value: value.to_string(), range }) }
 }
 
 impl Params {
     /// Checks every range. Errors: [`Error::InvalidParam`].
     pub fn check(&self) -> Result<()> {
-        fn within<T: PartialOrd + std::fmt::Display>(
-            name: &'static str,
-            value: T,
-            low: T,
-            high: T,
-            range: &'static str,
-        ) -> Result<()> {
-            // A NaN compares false, and is refused with the rest.
-            if value >= low && value <= high {
-                Ok(())
-            } else {
-                Err(Error::InvalidParam { name, value: value.to_string(), range })
-            }
-        }
         within("rays", self.rays, 1024, 1 << 24, "give 1024 to 16777216 rays")?;
         within("cells", self.cells(), 16, 100_000, "give 16 to 100000 cells")?;
         if let Some(n) = self.nodes {
@@ -161,11 +183,16 @@ impl Params {
         within("gather_threshold", self.gather_threshold, 0.0, 1e9, "give a number of node spacings, 0 or more")?;
         within("refinements", self.refinements, 0, 16, "give 0 to 16 refinements")?;
         within("tolerance", self.tolerance, 1e-9, 0.1, "give 1e-9 to 0.1")?;
-        within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")
+        within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")?;
+        self.paper.check()
     }
 
     /// Nodes asked for, or the default for the number of rays in a scene of `pieces` planar pieces.
     pub fn node_count(&self, pieces: u32, flatland: bool) -> usize {
+        if self.mode == Mode::Paper {
+            let base = PAPER_NODES_PER_ROOT * (self.paper.evaluations(self.cells()) as f64).sqrt();
+            return self.nodes.map_or(base as usize, |n| n as usize);
+        }
         let per_root = if flatland { FLAT_NODES_PER_ROOT } else { NODES_PER_ROOT };
         let base = (per_root * (self.rays as f64).sqrt()) as usize;
         // A curved mesh has as many pieces as triangles: they may double the nodes at most.
@@ -173,8 +200,11 @@ impl Params {
         self.nodes.map_or(base + more, |n| n as usize)
     }
 
-    /// Cells asked for, or the default for the number of rays.
+    /// Cells asked for, or the default for the number of rays; in paper mode 1,024.
     pub fn cells(&self) -> u32 {
+        if self.mode == Mode::Paper {
+            return self.cells.unwrap_or(1_024);
+        }
         let share = if self.direct == Direct::Exact { 512 } else { 128 };
         self.cells.unwrap_or((self.rays / share).clamp(16, 100_000))
     }

@@ -110,7 +110,7 @@ fn bad_companions_are_refused() {
 #[test]
 fn promised_flags_and_commands_are_refused_by_name() {
     let dir = grey();
-    for flag in ["--target-error 5", "--time-budget=3", "--mode paper", "--effects auto", "--quality final"] {
+    for flag in ["--target-error 5", "--time-budget=3", "--effects auto", "--quality final"] {
         let name = flag.split([' ', '=']).next().unwrap();
         dir.refuses(&format!("bake s.obj --backend cpu {flag}"), 2, &[&format!("raycell: error: {name} is not built yet; ")]);
     }
@@ -171,7 +171,7 @@ fn with_json_there_is_one_object_whatever_happens() {
         ("--json bake s.obj --backend cpu --rays 5", "invalid_param", 2),
         ("bake s.obj --json --adapter no-such-thing", "no_such_device", 3),
         ("bakee --json", "usage", 2),
-        ("bake s.obj --json --mode paper", "not_built", 2),
+        ("bake s.obj --json --effects auto", "not_built", 2),
     ] {
         let output = dir.run(args);
         let error = &object(&output)["error"];

@@ -1,12 +1,13 @@
 //! The bake: the one room that knows the order of the passes, a file a method.
 
 pub(crate) mod flux;
+pub(crate) mod paper;
 
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
-use crate::params::{Norm, Params};
+use crate::params::{Mode, Norm, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::scene::{Geometry, Scene};
@@ -45,6 +46,22 @@ impl Clock {
 
     pub fn get(&self, name: &str) -> Option<f64> {
         self.seconds.get(name).copied()
+    }
+}
+
+/// The method's own order of passes.
+fn run<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    match params.mode {
+        Mode::Flux => flux::run(engine, scene, geometry, params, saved, clock, progress),
+        Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
     }
 }
 
@@ -87,9 +104,9 @@ pub fn bake_from(
     }
     let mut clock = Clock::default();
     match backend {
-        Backend::Cpu => flux::run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
+        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
         Backend::Gpu(gpu) => {
-            flux::run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
+            run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
         }
     }
     let mut solution = saved.assemble(scene, &geometry, params, warnings);
@@ -117,6 +134,7 @@ pub fn bake_from(
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
         ("stages", serde_json::json!(clock.seconds)),
+        ("learned", serde_json::json!(saved.learned)),
         // Times are then those since the bake went on.
         ("resumed", serde_json::json!(resumed)),
     ] {

@@ -1,15 +1,17 @@
 //! A solution from what a bake has found, whole or as far as it came.
 
-use super::{Checkpoint, Network};
+use super::{Checkpoint, Learned, Network};
 use crate::doctor;
 use crate::error::Result;
 use crate::layout::{Node, NodeLight, Plane};
+use crate::network::growth::Growth;
 use crate::network::nodes::surface_of;
 use crate::output::report::{Report, SceneReport, SolverReport};
 use crate::params::Params;
 use crate::scene::{Geometry, Scene};
 use crate::solution::Solution;
 use crate::twin::jacobi::System;
+use crate::twin::winner::Feature;
 
 impl Checkpoint {
     /// The solution as far as the bake came; its report says how far ([`Report::partial`], [`Report::reached`]).
@@ -40,7 +42,7 @@ impl Checkpoint {
             ..Report::default()
         };
         let (nodes, light, cells, system) = match (net, &self.pilot) {
-            (Network { nodes: Some(nodes), growth: Some(growth), coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
+            (Network { nodes: Some(nodes), growth, coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
                 report.coefficients = c.stored;
                 report.solver = SolverReport {
                     method: "jacobi".into(),
@@ -48,12 +50,12 @@ impl Checkpoint {
                     residual: Some(solved.residual),
                     error_bound: Some(solved.error_bound),
                 };
-                (nodes.clone(), light.clone(), growth.cells.clone(), c.system.clone())
+                (nodes.clone(), light.clone(), cells(growth, &self.learned), c.system.clone())
             }
             (_, Some(pilot)) => (pilot.nodes.clone(), pilot.light.clone(), Vec::new(), unread(&pilot.nodes)),
             _ => (Vec::new(), Vec::new(), Vec::new(), unread(&[])),
         };
-        report.cells = system.source.len() as u64;
+        report.cells = self.learned.as_ref().map_or(system.source.len(), |l| l.cells.len()) as u64;
         report.nodes = nodes.len() as u64;
         report.rays = net.rays as u64;
         let surface = surface_of(geometry, nodes, params.lambda as f32, true);
@@ -76,6 +78,12 @@ impl Checkpoint {
             _ => Some("pilot".into()),
         }
     }
+}
+
+/// The cells of a trained network.
+fn cells(growth: &Option<Growth>, learned: &Option<Learned>) -> Vec<Feature> {
+    let trained = growth.as_ref().map(|g| &g.cells).or(learned.as_ref().map(|l| &l.cells));
+    trained.cloned().unwrap_or_default()
 }
 
 /// The system of nodes that no cell speaks of.

@@ -1,6 +1,6 @@
 //! `checkpoint.rcell`: a [`Checkpoint`] in the container of solutions, every number as it lay in memory.
 
-use super::{Checkpoint, Key, Network, Pilot};
+use super::{Checkpoint, Key, Learned, Network, Pilot};
 use crate::error::{Error, Result};
 use crate::layout::{DirectSum, NodeLight};
 use crate::network::complex::Complex;
@@ -34,6 +34,8 @@ struct Header {
     solved: Option<Solved>,
     refined: u32,
     energy: Option<Energy>,
+    #[serde(default)]
+    learned: Option<Learned>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -62,6 +64,7 @@ impl Checkpoint {
             solved: net.solved,
             refined: net.refined,
             energy: self.energy.clone(),
+            learned: self.learned.clone(),
         };
         let header =
             serde_json::to_value(&header).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
@@ -79,6 +82,7 @@ impl Checkpoint {
                 Section::new("nodes", net.nodes.as_deref().unwrap_or_default()),
                 Section::new("direct", &net.direct),
                 Section::new("cells", growth.map_or(&[], |g| &g.cells)),
+                Section::new("learned_cells", self.learned.as_ref().map_or(&[], |l| &l.cells)),
                 Section::new("simplices", bytemuck::cast_slice::<u32, [u32; 3]>(growth.map_or(&[], |g| g.complex.simplices()))),
                 Section::new("winners", &net.winners),
                 Section::new("cell_offsets", &system.cell_offsets),
@@ -159,6 +163,10 @@ impl Checkpoint {
                 light: file.get("light")?,
                 refined: header.refined,
             },
+            learned: match header.learned {
+                Some(learned) => Some(Learned { cells: file.get("learned_cells")?, ..learned }),
+                None => None,
+            },
             energy: header.energy,
             home: None,
         })
@@ -208,10 +216,13 @@ impl Checkpoint {
                 return Err("its coefficients do not fit its network");
             }
         }
+        if self.learned.as_ref().is_some_and(|l| !finite(l.cells.as_flattened())) {
+            return Err("its cells hold numbers that cannot be");
+        }
         // Each step rests on the ones before it.
-        let steps =
-            [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), net.growth.is_some(), net.nodes.is_some()];
-        if !steps.is_sorted() || (self.energy.is_some() && self.pilot.is_none()) {
+        let trained = net.growth.is_some() || self.learned.is_some();
+        let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), trained, net.nodes.is_some()];
+        if !steps.is_sorted() || (self.energy.is_some() && self.pilot.is_none() && self.learned.is_none()) {
             return Err("a step is there without those before it");
         }
         let lit: &[NodeLight] = &net.light;

@@ -18,6 +18,8 @@ use crate::progress::{Event, Progress};
 use crate::radiosity::coefficients::Coefficients;
 use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
+use crate::twin::winner::Feature;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -35,6 +37,8 @@ pub struct Checkpoint {
     pub(crate) pilot: Option<Pilot>,
     /// The network being trained: the pilot, then the full one.
     pub(crate) network: Network,
+    /// What paper mode has learned.
+    pub(crate) learned: Option<Learned>,
     /// Where the energy went; the bake's last word.
     pub(crate) energy: Option<Energy>,
     /// Where the bake keeps it.
@@ -53,6 +57,28 @@ pub(crate) struct Pilot {
     pub density: Vec<f64>,
     /// What its rays met from behind, in words.
     pub winding: Vec<String>,
+}
+
+/// What paper mode's supervised network has learned, beside its coefficients.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Learned {
+    /// The cells' centres.
+    #[serde(skip)]
+    pub cells: Vec<Feature>,
+    /// Pairs drawn.
+    pub drawn: u64,
+    /// Pairs at which the kernel was evaluated.
+    pub evaluations: u64,
+    /// Epochs run.
+    pub epochs: u32,
+    /// Cells deleted.
+    pub deleted: u32,
+    /// Relative L2 error of the network's answers against the clamped kernel, on fresh pairs.
+    pub kernel_error: f64,
+    /// Share of the kernel's integral that the clamp takes away.
+    pub clamped: f64,
+    /// Share of the evaluations that found 0.
+    pub idle: f64,
 }
 
 /// A network as far as it is trained, in the order in which it is.

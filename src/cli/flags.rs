@@ -9,7 +9,6 @@ use std::ffi::OsString;
 const NOT_BUILT: &[(&str, &str)] = &[
     ("--target-error", "set --rays instead: the error falls about as rays^-0.3"),
     ("--time-budget", "set --rays instead: time grows with rays"),
-    ("--mode", "bakes run in flux mode"),
     ("--effects", "every bake has diffuse light with exact shadows"),
     ("--quality", "set --rays instead"),
     ("relight", "bake again with the new lights"),
@@ -161,6 +160,6 @@ mod tests {
         assert!(not_built(&args("raycell explain a.obj")).unwrap().starts_with("explain"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());
-        assert!(not_built(&args("raycell bake -- --mode")).is_none());
+        assert!(not_built(&args("raycell bake -- --effects")).is_none());
     }
 }

@@ -3,5 +3,6 @@
 pub mod complex;
 pub mod growth;
 pub mod nodes;
+pub mod pairs;
 pub mod supervised;
 pub mod tiles;

@@ -98,16 +98,16 @@ pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32)
     let cdf = cumulative(weight);
     let mut samples: Vec<[u32; 4]> = (0..count).map(|i| sobol4(i, seed)).collect();
     samples.sort_unstable();
-    samples
-        .into_iter()
-        .map(|u| {
-            let (tile, at) = invert_cdf(cdf.len() as u32, |t| cdf[t as usize], u[0]);
-            let tri = geometry.tile_tri[tile as usize];
-            let t = &geometry.tris[tri as usize];
-            let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, at, unit(u[1]));
-            surface_point(geometry, tri, b1, b2)
-        })
-        .collect()
+    samples.into_iter().map(|u| place_of(geometry, &cdf, u[0], u[1])).collect()
+}
+
+/// The surface point of two random numbers, by the cumulative distribution over the tiles.
+pub fn place_of(geometry: &Geometry, cdf: &[u32], u: u32, v: u32) -> Point {
+    let (tile, at) = invert_cdf(cdf.len() as u32, |t| cdf[t as usize], u);
+    let tri = geometry.tile_tri[tile as usize];
+    let t = &geometry.tris[tri as usize];
+    let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, at, unit(v));
+    surface_point(geometry, tri, b1, b2)
 }
 
 /// Which of the points are dead; see [`Gathered::is_dead`].

@@ -175,6 +175,9 @@ pub struct Supervised {
     settled: u64,
 }
 
+pub fn tune(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().map_or(default, |v| v.parse().unwrap())
+}
 fn distance(a: &Feature, b: &Feature) -> f32 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f32>().sqrt()
 }
@@ -227,10 +230,13 @@ impl Supervised {
         let spent = samples.places.len() as u64;
         let left = settings.evaluations.saturating_sub(spent);
         let growing = self.cells.len() < settings.cells && self.idle < STUCK && left > 0;
-        let more = ((GROWTH * self.cells.len() as f64).ceil() as usize).min(settings.cells.saturating_sub(self.cells.len()));
+        let more = ((tune("GROWTH", GROWTH) * self.cells.len() as f64).ceil() as usize)
+            .min(settings.cells.saturating_sub(self.cells.len()));
         let want = if growing {
-            let each = GROWING * settings.evaluations as f64 / settings.cells as f64;
-            ((each * more as f64).ceil() as u64).max(LEAST_BATCH).min(left)
+            // What is left of the growth's share, by what is left to grow.
+            let budget = (tune("GROWING", GROWING) * settings.evaluations as f64 - spent as f64).max(0.0);
+            let part = more as f64 / (settings.cells - self.cells.len()) as f64;
+            ((budget * part).ceil() as u64).max(LEAST_BATCH).min(left)
         } else {
             left / (SETTLING - self.settled.min(SETTLING - 1))
         };
@@ -300,11 +306,16 @@ impl Supervised {
         }
         let mean = error / share;
         let chance = |(&r, &s): (&f64, &f64)| match s > 0.0 {
-            true => ((r / s / mean).sqrt() / FULL_ACCEPTANCE).clamp(LEAST_ACCEPTANCE, 1.0),
+            true => ((r / s / mean).sqrt() / tune("FULL", FULL_ACCEPTANCE)).clamp(tune("LEAST", LEAST_ACCEPTANCE), 1.0),
             // Nothing is known of a cell without inputs.
             false => 1.0,
         };
         self.resource.iter().zip(&self.share).map(chance).collect()
+    }
+
+    /// Numbers that the second layer keeps: the coefficients.
+    pub fn stored(&self, settings: &Settings) -> u64 {
+        (self.cells.len() * if settings.output == Output::Linear { 1 + settings.dims } else { 1 }) as u64
     }
 
     /// The network as the pass `respond` reads it.
@@ -366,7 +377,7 @@ impl Supervised {
         let widths: Vec<f32> = (0..self.cells.len() as u32).map(|c| self.mean_edge(c)).collect();
         let least = LEAST_WIDTH * widths.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
         for (output, w) in self.outputs.iter_mut().zip(widths) {
-            output.width = w.max(least);
+            output.width = tune("WIDTH", 1.0) as f32 * w.max(least);
         }
     }
 
@@ -431,7 +442,7 @@ impl Supervised {
 
     /// Deletes cells that win too few inputs.
     fn delete_starved(&mut self) {
-        let least = STARVED * self.wins.iter().sum::<f64>() / self.wins.len() as f64;
+        let least = tune("STARVED", STARVED) * self.wins.iter().sum::<f64>() / self.wins.len() as f64;
         let doomed: Vec<bool> = self.wins.iter().map(|&w| w < least).collect();
         if !doomed.contains(&true) {
             return;
@@ -459,7 +470,11 @@ impl Supervised {
             self.least_squares(settings, samples);
         }
         let (offsets, neighbours) = self.complex.adjacency();
-        let sweeps = if settings.fit == Fit::Delta && settings.output == Output::Gauss { settings.sweeps } else { 0 };
+        let sweeps = if settings.fit == Fit::Delta && settings.output == Output::Gauss {
+            tune("SWEEPS", settings.sweeps as f64) as u32
+        } else {
+            0
+        };
         for sweep in 0..=sweeps {
             let sums = machine.respond(self.net(settings, &offsets, &neighbours), &samples.inputs, &mut samples.values)?;
             if sweep < sweeps {
@@ -496,7 +511,7 @@ impl Supervised {
                 }
                 right[a] = mean(&|i| off(i, a) * (samples.values[i].goal as f64 - value));
             }
-            let ridge = RIDGE * (0..dims).map(|k| matrix[k][k]).sum::<f64>() / dims.max(1) as f64;
+            let ridge = tune("RIDGE", RIDGE) * (0..dims).map(|k| matrix[k][k]).sum::<f64>() / dims.max(1) as f64;
             (0..dims).for_each(|k| matrix[k][k] += ridge);
             let slope = if ridge > 0.0 { solve(matrix, right) } else { vec![0.0; dims] };
             let output = &mut self.outputs[c];

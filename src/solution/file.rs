@@ -7,7 +7,7 @@ use crate::layout::{Node, NodeLight};
 use crate::network::nodes::surface_of;
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{Report, Seconds};
-use crate::params::Params;
+use crate::params::{Mode, Params};
 use crate::scene::{Face, Geometry, Material, Scene, Space};
 use crate::twin::jacobi::System;
 use crate::twin::winner::Feature;
@@ -143,10 +143,12 @@ impl Solution {
             planes: file.get("planes")?,
             node_source: file.get("node_source")?,
         };
+        // The coefficients of a learned kernel are not by cells.
+        let speaking = if header.params.mode == Mode::Paper { usize::MAX } else { system.source.len() };
         check::nodes(&geometry, &nodes)
             .and_then(|()| check::light(&light, nodes.len()))
             .and_then(|()| check::system(&geometry, &system, nodes.len()))
-            .and_then(|()| check::cells(&cells, system.source.len()))
+            .and_then(|()| check::cells(&cells, speaking))
             .map_err(|what| file.fail(what))?;
         let surface = surface_of(&geometry, nodes, header.params.lambda as f32, true);
         Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })

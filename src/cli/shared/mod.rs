@@ -5,5 +5,6 @@ pub mod interrupt;
 pub mod kept;
 pub mod machine;
 pub mod network;
+pub mod paper;
 pub mod points;
 pub mod scene;

@@ -1,5 +1,6 @@
 //! How the network is trained: flags, and the parameters they make.
 
+use super::paper::{self, Paper};
 use crate::error::Result;
 use crate::params::{self, Params};
 use clap::{Args, ValueEnum};
@@ -14,15 +15,18 @@ pub struct Network {
     /// Light rays, 1024 to 16777216 [default: 524288].
     #[arg(long)]
     pub rays: Option<u32>,
-    /// Cells of the network, 16 to 100000 [default: rays/512; with --direct network rays/128].
+    /// Cells of the network, 16 to 100000 [default: rays/512; with --direct network rays/128; with
+    /// --mode paper 1024].
     #[arg(long)]
     pub cells: Option<u32>,
-    /// How light straight from emitters is carried [default: exact].
+    /// How light straight from emitters is carried [default: exact; with --mode paper network].
     #[arg(long, value_enum)]
     pub direct: Option<Direct>,
     /// How the kernel of a flatland scene is normalised [default: lambert].
     #[arg(long, value_enum)]
     pub norm: Option<Norm>,
+    #[command(flatten)]
+    pub paper: Paper,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -57,6 +61,7 @@ pub fn params(flags: &Network) -> Result<Params> {
         }),
         ..default
     };
+    let params = paper::apply(&flags.paper, flags.direct.is_some(), params)?;
     params.check()?;
     Ok(params)
 }
