@@ -17,8 +17,6 @@ pub struct Patches {
     pub points: Vec<Point>,
     /// Its irradiance, W/m.
     pub irradiance: Vec<f64>,
-    /// Its irradiance after the emitters' light alone, W/m.
-    pub first: Vec<f64>,
     /// First patch and number of patches of each triangle.
     of_tri: Vec<(usize, usize)>,
 }
@@ -56,14 +54,13 @@ pub fn solve<E: Engine>(engine: &mut E, geometry: &Geometry, per_metre: f64) -> 
     let gather = |b: &[f64]| -> Vec<f64> {
         matrix.chunks_exact(n).map(|row| row.iter().zip(b).map(|(&k, b)| k as f64 * b).sum()).collect()
     };
-    let first = gather(&own);
-    let mut irradiance = first.clone();
+    let mut irradiance = gather(&own);
     for _ in 1..SWEEPS {
         let b: Vec<f64> =
             (0..n).map(|i| own[i] + reflectance(geometry, &points[i]) * irradiance[i]).collect();
         irradiance = gather(&b);
     }
-    Ok(Patches { points, irradiance, first, of_tri })
+    Ok(Patches { points, irradiance, of_tri })
 }
 
 impl Patches {

@@ -87,13 +87,9 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
         Ok(())
     });
     figure.drawing(press, drawn)?;
-    let rows = views.iter().enumerate().flat_map(|(v, (_, image))| {
-        image.rgb.iter().enumerate().map(move |(i, rgb)| {
-            let (x, y) = (i as u32 % image.width, i as u32 / image.width);
-            [v as f64, x as f64, y as f64].into_iter().chain(rgb.iter().map(|&c| c as f64)).collect()
-        })
-    });
-    figure.csv(press, ".csv", "view,x,y,radiance_r,radiance_g,radiance_b", rows)?;
+    for (name, image) in &views {
+        figure.exr(press, name, image)?;
+    }
 
     let report = solution.report();
     figure.about.push(format!(

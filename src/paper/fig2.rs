@@ -30,7 +30,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        Options { function: "ridge-step".into(), cells: 400, k: 2, evaluations: 24, points: 256 }
+        Options { function: "ridge-step".into(), cells: 400, k: 2, evaluations: 24, points: 144 }
     }
 }
 

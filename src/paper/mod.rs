@@ -11,9 +11,10 @@ pub mod page;
 
 use crate::engine::Backend;
 use crate::error::{Error, Result};
-use crate::output::atomic;
+use crate::output::{self, atomic};
 use crate::plot::{Drawing, Fault};
 use crate::progress::{Event, Flow};
+use crate::solution::Image;
 use std::path::Path;
 
 /// What figures are made with, and where to.
@@ -90,6 +91,14 @@ impl Figure {
             text.push('\n');
         }
         self.file(press, suffix, text.as_bytes())
+    }
+
+    /// Writes a picture's linear radiance as `NAME_WHAT.exr`. Errors: those of [`output::image::write`].
+    pub fn exr(&mut self, press: &Press, what: &str, image: &Image) -> Result<()> {
+        let name = format!("{}_{what}.exr", self.name);
+        output::image::write(&press.dir.join(&name), image, None)?;
+        self.files.push(name);
+        Ok(())
     }
 
     /// Writes the figure's numbers. Errors: [`Error::NotFinite`], [`Error::Write`].
