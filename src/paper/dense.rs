@@ -56,8 +56,7 @@ pub fn solve<E: Engine>(engine: &mut E, geometry: &Geometry, per_metre: f64) -> 
     };
     let mut irradiance = gather(&own);
     for _ in 1..SWEEPS {
-        let b: Vec<f64> =
-            (0..n).map(|i| own[i] + reflectance(geometry, &points[i]) * irradiance[i]).collect();
+        let b: Vec<f64> = (0..n).map(|i| own[i] + reflectance(geometry, &points[i]) * irradiance[i]).collect();
         irradiance = gather(&b);
     }
     Ok(Patches { points, irradiance, of_tri })
@@ -75,8 +74,7 @@ impl Patches {
         if count == 0 {
             return 0.0;
         }
-        let (b1, _) =
-            crate::twin::trace::barycentric(geometry.flatland, &geometry.tris[p.tri as usize], glam::Vec3::from(p.p));
+        let (b1, _) = crate::twin::trace::barycentric(geometry.flatland, &geometry.tris[p.tri as usize], glam::Vec3::from(p.p));
         // Between two middles along the segment, beyond the last ones on with their slope.
         let u = b1 as f64 * count as f64 - 0.5;
         let i = (u.floor().max(0.0) as usize).min(count.saturating_sub(2));

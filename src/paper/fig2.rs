@@ -157,26 +157,32 @@ struct Fitted {
     error: f64,
 }
 
-/// How fast a grid's values change, from cell to cell: |gradient|.
-pub fn steepness(grid: &Grid) -> Grid {
-    let at = |i: usize, j: usize| grid.values[j.min(grid.rows - 1) * grid.columns + i.min(grid.columns - 1)];
-    let [dx, dy] = [(grid.x[1] - grid.x[0]) / grid.columns as f64, (grid.y[1] - grid.y[0]) / grid.rows as f64];
-    let slope = |k: usize| {
-        let (i, j) = (k % grid.columns, k / grid.columns);
-        ((at(i + 1, j) - at(i, j)) / dx).hypot((at(i, j + 1) - at(i, j)) / dy)
+/// How far apart a grid's values lie around each place: the largest less the smallest within a 32nd of the sides.
+pub fn variation(grid: &Grid) -> Grid {
+    let reach = [(grid.columns / 32).max(1), (grid.rows / 32).max(1)];
+    let around = |k: usize, n: usize, reach: usize| k.saturating_sub(reach)..(k + reach + 1).min(n);
+    let spread = |k: usize| {
+        let (mut low, mut high) = (f64::MAX, f64::MIN);
+        for j in around(k / grid.columns, grid.rows, reach[1]) {
+            for i in around(k % grid.columns, grid.columns, reach[0]) {
+                let v = grid.values[j * grid.columns + i];
+                (low, high) = (low.min(v), high.max(v));
+            }
+        }
+        high - low
     };
-    grid.with((0..grid.values.len()).map(slope).collect())
+    grid.with((0..grid.values.len()).map(spread).collect())
 }
 
-/// The share of places within the tenth of the domain where a function is steepest.
-pub fn share_in_steep_tenth(steep: &Grid, places: &[[f64; 2]]) -> f64 {
-    let mut sorted = steep.values.clone();
+/// The share of places in the tenth of the domain where `variation` is largest.
+pub fn share_in_varied_tenth(variation: &Grid, places: &[[f64; 2]]) -> f64 {
+    let mut sorted = variation.values.clone();
     sorted.sort_by(f64::total_cmp);
     let least = sorted[sorted.len() * 9 / 10];
     let cell = |v: f64, ends: [f64; 2], n: usize| (((v - ends[0]) / (ends[1] - ends[0]) * n as f64) as usize).min(n - 1);
     let within = places.iter().filter(|p| {
-        let (i, j) = (cell(p[0], steep.x, steep.columns), cell(p[1], steep.y, steep.rows));
-        steep.values[j * steep.columns + i] > least
+        let (i, j) = (cell(p[0], variation.x, variation.columns), cell(p[1], variation.y, variation.rows));
+        variation.values[j * variation.columns + i] > least
     });
     within.count() as f64 / places.len().max(1) as f64
 }
@@ -210,7 +216,7 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     let shown = fit(&function, &goal, &settings)?;
     let uniform = fit(&function, &goal, &Settings { resampling: false, ..settings })?;
     let linear = fit(&function, &goal, &Settings { output: Output::Linear, ..settings })?;
-    let steep = steepness(&goal);
+    let varied = variation(&goal);
 
     let mut figure = Figure::new("fig2", "Fig. 2: a function of the plane, learned from samples");
     let axes = [Axis::linear("x", [0.0, 1.0]), Axis::linear("y", [0.0, 1.0])];
@@ -261,18 +267,22 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     figure.about.push(format!(
         "Errors are relative L2 norms over {0} x {0} places. Resampling draws inputs uniformly and evaluates them only where \
          the resource (the decayed squared error) is high: {1:.1} % of the samples lie in the tenth of the domain where the \
-         goal is steepest, against {2:.1} % without it.",
+         goal varies most, against {2:.1} % without it.",
         options.points,
-        100.0 * share_in_steep_tenth(&steep, &shown.places),
-        100.0 * share_in_steep_tenth(&steep, &uniform.places)
+        100.0 * share_in_varied_tenth(&varied, &shown.places),
+        100.0 * share_in_varied_tenth(&varied, &uniform.places)
     ));
     figure.number("cells", shown.net.cells.len() as f64, "");
     figure.number("samples", shown.places.len() as f64, "");
     figure.number("error (the paper's: Gaussian cells, resampling)", shown.error, "1");
     figure.number("error without resampling", uniform.error, "1");
     figure.number("error with local linear cells (a repair)", linear.error, "1");
-    figure.number("samples in the steepest tenth of the domain", share_in_steep_tenth(&steep, &shown.places), "1");
-    figure.number("the same without resampling", share_in_steep_tenth(&steep, &uniform.places), "1");
+    figure.number(
+        "samples in the tenth of the domain where the goal varies most",
+        share_in_varied_tenth(&varied, &shown.places),
+        "1",
+    );
+    figure.number("the same without resampling", share_in_varied_tenth(&varied, &uniform.places), "1");
     figure.finish(press)?;
     Ok(figure)
 }

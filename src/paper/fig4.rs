@@ -6,7 +6,7 @@ use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::layout::{NONE, Point};
 use crate::output::image::Tone;
-use crate::params::{Direct, Mode, PaperParams, Params};
+use crate::params::{Direct, Mode, Output, PaperParams, Params};
 use crate::pass::GpuEngine;
 use crate::plot::color::{GREY, SERIES};
 use crate::plot::panel::{Axis, open, titled};
@@ -18,7 +18,6 @@ use crate::solution::Camera;
 use crate::twin::TwinEngine;
 use crate::twin::trace::{Ray, closest, surface_point};
 use glam::{DVec3, Vec3};
-use std::f64::consts::PI;
 use std::path::Path;
 
 /// How much of it is made.
@@ -32,7 +31,7 @@ pub struct Options {
     pub evaluations: u32,
     /// Pixels across a picture.
     pub width: u32,
-    /// Points along each segment in flatland; and squared, half as many on the emitter in space.
+    /// Points along each segment in flatland; an eighth of them along each side of the emitter in space.
     pub points: usize,
 }
 
@@ -55,10 +54,12 @@ fn params(press: &Press, cells: u32, evaluations: u32) -> Params {
     Params { seed: press.seed, mode: Mode::Paper, direct: Direct::Network, cells: Some(cells), paper, ..Params::default() }
 }
 
-/// Light after one reflection at places of a scene, W/m² (W/m): from the kernel, and from the network.
+/// Light after one reflection at places of a scene, W/m² (W/m): from the kernel, and from networks.
 struct Light {
     analytic: Vec<f64>,
     network: Vec<f64>,
+    /// From a network whose metric knows normals and whose cells are planes: the repairs that help most.
+    repaired: Vec<f64>,
     learned: Learned,
 }
 
@@ -123,11 +124,13 @@ fn shine<E: Engine>(
 ) -> Result<Light> {
     let learned = learn(engine, geometry, params, progress)?;
     let lit = Emitters::of(geometry, fine).gather(places, |pairs| analytic(engine, geometry, pairs))?;
-    let network = Emitters::of(geometry, coarse).gather(places, |pairs| learned.answers(engine, geometry, pairs))?;
-    let reflect = |h: Vec<f64>| -> Vec<f64> {
-        h.iter().zip(places).map(|(h, p)| dense::reflectance(geometry, p) * h).collect()
-    };
-    Ok(Light { analytic: reflect(lit), network: reflect(network), learned })
+    let coarse = Emitters::of(geometry, coarse);
+    let network = coarse.gather(places, |pairs| learned.answers(engine, geometry, pairs))?;
+    let paper = PaperParams { normals: true, output: Output::Linear, ..params.paper.clone() };
+    let repaired = learn(engine, geometry, &Params { paper, ..params.clone() }, progress)?;
+    let repaired = coarse.gather(places, |pairs| repaired.answers(engine, geometry, pairs))?;
+    let reflect = |h: Vec<f64>| -> Vec<f64> { h.iter().zip(places).map(|(h, p)| dense::reflectance(geometry, p) * h).collect() };
+    Ok(Light { analytic: reflect(lit), network: reflect(network), repaired: reflect(repaired), learned })
 }
 
 fn on_any(
@@ -141,9 +144,7 @@ fn on_any(
     let mut progress = Progress::new(&mut *press.tell);
     match press.backend {
         Backend::Cpu => shine(&mut TwinEngine::new(geometry), geometry, params, places, fine, coarse, &mut progress),
-        Backend::Gpu(gpu) => {
-            shine(&mut GpuEngine::new(gpu, geometry)?, geometry, params, places, fine, coarse, &mut progress)
-        }
+        Backend::Gpu(gpu) => shine(&mut GpuEngine::new(gpu, geometry)?, geometry, params, places, fine, coarse, &mut progress),
     }
 }
 
@@ -187,14 +188,13 @@ pub fn flat(press: &mut Press, options: &Options) -> Result<Figure> {
 
     // The corridor: its walls stand along z, seen from before its front end.
     let walls = Geometry::new(&scene.extruded())?;
-    let height = options.width * 3 / 4;
     let camera = Camera {
         eye: [0.5, 0.5, DEPTH + 1.25],
         target: [0.5, 0.5, 0.0],
         up: [0.0, 1.0, 0.0],
-        vfov_degrees: 42.0,
+        vfov_degrees: 45.0,
         width: 2 * options.width,
-        height: 2 * height,
+        height: 2 * options.width,
     };
     let first: Vec<Option<usize>> = (0..scene.faces.len())
         .scan(0, |next, f| {
@@ -204,7 +204,7 @@ pub fn flat(press: &mut Press, options: &Options) -> Result<Figure> {
             Some(at)
         })
         .collect();
-    let color = |p: &Point| -> Option<f64> {
+    let color = |p: &Point| -> Option<Seen> {
         let face = walls.source[p.tri as usize] as usize / 2;
         let world = [0, 1, 2].map(|k| p.p[k] as f64 / walls.scale + walls.center[k]);
         let [a, b, _] = scene.corners(face).map(DVec3::from_array);
@@ -212,33 +212,40 @@ pub fn flat(press: &mut Press, options: &Options) -> Result<Figure> {
         let values = if world[2] > 0.5 * DEPTH { &light.analytic } else { &light.network };
         let (x, first) = ((u * n as f64 - 0.5).clamp(0.0, (n - 1) as f64), first[face]?);
         let (i, j) = (x as usize, (x as usize + 1).min(n - 1));
-        let own = scene.materials[scene.faces[face].material as usize].emission[0] * PI;
-        Some(own + values[first + i] + (values[first + j] - values[first + i]) * x.fract())
+        if scene.materials[scene.faces[face].material as usize].emission[0] > 0.0 {
+            return Some(Seen::Emitter);
+        }
+        Some(Seen::Light(values[first + i] + (values[first + j] - values[first + i]) * x.fract()))
     };
-    let values: Vec<Option<f64>> = seen(&walls, &camera).iter().map(|p| p.as_ref().and_then(color)).collect();
+    let hits = seen(&walls, &camera);
+    let values: Vec<Seen> = hits.iter().map(|p| p.as_ref().and_then(color).unwrap_or(Seen::Nothing)).collect();
     let pixels = tone(&values, &light.analytic);
 
-    let mut figure = Figure::new("fig4a", "Fig. 4a: one reflection in flatland, from the kernel in front, from the network behind");
+    let mut figure =
+        Figure::new("fig4a", "Fig. 4a: one reflection in flatland, from the kernel in front, from the network behind");
     let most = light.analytic.iter().chain(&light.network).copied().fold(0.0, f64::max);
-    let drawn = draw(1260, 500, |page| {
-        let (left, right) = page.split_horizontally(unit(630.0));
+    stage(press, "plot")?;
+    let drawn = draw(1200, 560, |page| {
+        let (left, right) = page.split_horizontally(unit(520.0));
         let area = titled(&left, "in front: the kernel · behind: the network")?;
         picture(&area, &pixels, camera.width, camera.height)?;
         let area = titled(&right, "the same along the lines")?;
         let x = Axis::linear("along bottom, right, top, left, blocker (m)", [0.0, start]);
         let mut panel = open(&area, &x, &Axis::linear("B − E after one reflection (W/m)", [0.0, 1.15 * most]), None)?;
-        for (values, color, width) in [(&light.analytic, GREY, 4.0), (&light.network, SERIES[1], 1.4)] {
+        let lines = [(&light.analytic, GREY, 4.0), (&light.network, SERIES[1], 1.4), (&light.repaired, SERIES[0], 1.4)];
+        for (values, color, width) in lines {
             for segment in 0..arc.len() / n {
                 let of = segment * n..(segment + 1) * n;
                 let line: Vec<[f64; 2]> = of.map(|i| [arc[i], values[i]]).collect();
                 panel.line(&line, color, width)?;
             }
         }
-        panel.legend(&[("kernel", GREY), ("network", SERIES[1])], false)
+        let names = [("kernel", GREY), ("the paper's network", SERIES[1]), ("with normals, linear cells", SERIES[0])];
+        panel.legend(&names, true)
     });
     figure.drawing(press, drawn)?;
-    let rows = (0..arc.len()).map(|i| vec![arc[i], light.analytic[i], light.network[i]]);
-    figure.csv(press, ".csv", "arc,kernel,network", rows)?;
+    let rows = (0..arc.len()).map(|i| vec![arc[i], light.analytic[i], light.network[i], light.repaired[i]]);
+    figure.csv(press, ".csv", "arc,kernel,network,repaired", rows)?;
     figure.about.push(format!(
         "A closed room in flatland, drawn as a corridor: a light in its ceiling, a thin blocker below it. What is seen is the \
          light after one reflection, B = E + ρ ∫ K E. In the front half the integral takes the kernel itself (512 points on \
@@ -249,29 +256,51 @@ pub fn flat(press: &mut Press, options: &Options) -> Result<Figure> {
     ));
     figure.about.push(
         "The network's error is the relative L2 norm of its B − E along all lines. Where the two sides of the blocker, or two \
-         walls in a corner, lie close together, positions alone do not tell them apart, and light leaks."
+         walls in a corner, lie close together, positions alone do not tell them apart, and light leaks. With normals in the \
+         metric and cells that are planes (two of the repairs, none of them the paper's) it does not."
             .into(),
     );
-    figure.number("error of the reflected light", weighted_distance(&scene, &geometry, n, &light), "1");
+    let weigh = |values: &[f64]| weighted(&scene, &geometry, n, values);
+    let kernel = weigh(&light.analytic);
+    figure.number("error of the reflected light: the paper's network", distance(&weigh(&light.network), &kernel), "1");
+    figure.number("with normals and linear cells", distance(&weigh(&light.repaired), &kernel), "1");
     figure.number("kernel error, over all pairs of the scene", light.learned.error, "1");
     figure.number("energy that the clamp took", light.learned.clamped, "1");
     figure.finish(press)?;
     Ok(figure)
 }
 
-/// Relative L2 distance of the network's light from the kernel's, where each segment counts by its length.
-fn weighted_distance(scene: &Scene, geometry: &Geometry, n: usize, light: &Light) -> f64 {
-    let lengths: Vec<f64> =
-        (0..scene.faces.len()).filter(|f| geometry.source.contains(&(*f as u32))).map(|f| scene.area(f).sqrt()).collect();
-    let weigh = |values: &[f64]| -> Vec<f64> { values.iter().enumerate().map(|(i, v)| v * lengths[i / n]).collect() };
-    distance(&weigh(&light.network), &weigh(&light.analytic))
+/// Values along the segments, `n` each, so that a sum of squares is an integral along the lines.
+fn weighted(scene: &Scene, geometry: &Geometry, n: usize, values: &[f64]) -> Vec<f64> {
+    let there = (0..scene.faces.len()).filter(|f| geometry.source.contains(&(*f as u32)));
+    let lengths: Vec<f64> = there.map(|f| scene.area(f).sqrt()).collect();
+    values.iter().enumerate().map(|(i, v)| v * lengths[i / n]).collect()
 }
 
-/// Grey pixels: white where nothing is, one exposure for what is reflected.
-fn tone(values: &[Option<f64>], reflected: &[f64]) -> Vec<[u8; 3]> {
-    let all: Vec<[f32; 3]> = reflected.iter().map(|&v| [v as f32; 3]).collect();
+/// What is seen where nothing is.
+const NOTHING: [u8; 3] = [222, 228, 235];
+/// What an emitter looks like.
+const SHINES: [u8; 3] = [255, 243, 196];
+
+/// What is seen at a pixel.
+#[derive(Clone, Copy)]
+enum Seen {
+    Nothing,
+    Emitter,
+    /// Reflected radiosity.
+    Light(f64),
+}
+
+/// Pixels: grey for reflected light, with one exposure.
+fn tone(seen: &[Seen], exposed_for: &[f64]) -> Vec<[u8; 3]> {
+    let all: Vec<[f32; 3]> = exposed_for.iter().map(|&v| [v as f32; 3]).collect();
     let tone = Tone::auto(&all);
-    values.iter().map(|v| v.map_or([255; 3], |v| tone.map([v.max(0.0) as f32; 3]))).collect()
+    let color = |s: &Seen| match s {
+        Seen::Nothing => NOTHING,
+        Seen::Emitter => SHINES,
+        Seen::Light(v) => tone.map([v.max(0.0) as f32; 3]),
+    };
+    seen.iter().map(color).collect()
 }
 
 /// Points along each side of the floor at which the error is measured.
@@ -304,41 +333,54 @@ pub fn solid(press: &mut Press, options: &Options) -> Result<Figure> {
         places.push(point(&geometry, [middle(i % FLOOR), 0.0, middle(i / FLOOR)], [0.0, 1.0, 0.0])?);
     }
     let params = params(press, options.cells, options.evaluations);
-    let light = on_any(press, &geometry, &params, &places, options.points / 6, options.points / 24)?;
+    let light = on_any(press, &geometry, &params, &places, options.points / 8, options.points / 24)?;
 
     let shown = |values: &[f64]| {
         let mut next = values[..pixels].iter();
-        let own = |p: &Point| scene.materials[geometry.tris[p.tri as usize].material as usize].emission[0] * PI;
-        let lit = |hit: &Option<Point>| hit.as_ref().and_then(|p| next.next().map(|v| own(p) + v));
-        let values: Vec<Option<f64>> = hits.iter().map(lit).collect();
+        let lit = |hit: &Option<Point>| match (hit, hit.as_ref().and_then(|_| next.next())) {
+            (Some(p), Some(_)) if dense::emitted(&geometry, p) > 0.0 => Seen::Emitter,
+            (Some(_), Some(&v)) => Seen::Light(v),
+            _ => Seen::Nothing,
+        };
+        let values: Vec<Seen> = hits.iter().map(lit).collect();
         tone(&values, &light.analytic[pixels..])
     };
-    let (left, right) = (shown(&light.analytic), shown(&light.network));
-    let mut figure = Figure::new("fig4bc", "Fig. 4b, c: one reflection in space, from the kernel and from a network of six dimensions");
-    let drawn = draw(1260, 40 + 630 * 3 / 4, |page| {
-        let (b, c) = page.split_horizontally(unit(630.0));
-        picture(&titled(&b, "(b) the kernel")?, &left, camera.width, camera.height)?;
-        picture(&titled(&c, &format!("(c) the network, {} cells", options.cells))?, &right, camera.width, camera.height)
+    stage(press, "plot")?;
+    let pictures = [&light.analytic, &light.network, &light.repaired].map(|values| shown(values));
+    let mut figure =
+        Figure::new("fig4bc", "Fig. 4b, c: one reflection in space, from the kernel and from a network of six dimensions");
+    let drawn = draw(1260, 45 + 420 * 3 / 4, |page| {
+        let network = format!("(c) the network, {} cells", options.cells);
+        let titles = ["(b) the kernel", &network, "(d) with normals and linear cells"];
+        for ((area, title), pixels) in page.split_evenly((1, 3)).iter().zip(titles).zip(&pictures) {
+            picture(&titled(area, title)?, pixels, camera.width, camera.height)?;
+        }
+        Ok(())
     });
     figure.drawing(press, drawn)?;
-    let [kernel, network] = [&light.analytic, &light.network].map(|v| &v[pixels..]);
-    let rows = (0..FLOOR * FLOOR).map(|i| vec![middle(i % FLOOR), middle(i / FLOOR), kernel[i], network[i]]);
-    figure.csv(press, ".csv", "x,z,kernel,network", rows)?;
+    let [kernel, network, repaired] = [&light.analytic, &light.network, &light.repaired].map(|v| &v[pixels..]);
+    let rows = (0..FLOOR * FLOOR).map(|i| vec![middle(i % FLOOR), middle(i / FLOOR), kernel[i], network[i], repaired[i]]);
+    figure.csv(press, ".csv", "x,z,kernel,network,repaired", rows)?;
     figure.about.push(format!(
         "A wall with a lit window, a floor, and a blocker between, after one reflection: (b) from the kernel itself, (c) from \
-         the paper's network of it in six dimensions, the two places of a pair ({} cells, {} evaluations). Both pictures \
-         have one exposure.",
+         the paper's network of it in six dimensions, the two places of a pair ({} cells, {} evaluations), (d) with two \
+         repairs that are not the paper's. All have one exposure.",
         options.cells,
         options.cells * options.evaluations
     ));
     figure.about.push(format!(
         "The error is the relative L2 norm of the light that the floor reflects, over {FLOOR} x {FLOOR} places. The kernel's \
          light takes {0} x {0} points on each half of the window, the network's {1} x {1}.",
-        options.points / 6,
+        options.points / 8,
         options.points / 24
     ));
-    figure.number("error of the light on the floor", distance(network, kernel), "1");
-    figure.number("light on the floor, network over kernel", network.iter().sum::<f64>() / kernel.iter().sum::<f64>(), "1");
+    figure.number("error of the light on the floor: the paper's network", distance(network, kernel), "1");
+    figure.number("with normals and linear cells", distance(repaired, kernel), "1");
+    figure.number(
+        "light on the floor, the paper's network over the kernel",
+        network.iter().sum::<f64>() / kernel.iter().sum::<f64>(),
+        "1",
+    );
     figure.number("kernel error, over all pairs of the scene", light.learned.error, "1");
     figure.number("energy that the clamp took", light.learned.clamped, "1");
     figure.finish(press)?;

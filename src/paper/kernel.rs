@@ -62,9 +62,8 @@ impl Learned {
 
     /// The two ends of every cell's reference ray, metres.
     pub fn rays(&self, geometry: &Geometry) -> Vec<[[f64; 3]; 2]> {
-        let place = |f: &[f32]| {
-            [0, 1, 2].map(|k| f[k] as f64 / self.metric.inv_unit as f64 / geometry.scale + geometry.center[k])
-        };
+        let place =
+            |f: &[f32]| [0, 1, 2].map(|k| f[k] as f64 / self.metric.inv_unit as f64 / geometry.scale + geometry.center[k]);
         self.net.cells.iter().map(|c| [place(&c[0..3]), place(&c[6..9])]).collect()
     }
 }

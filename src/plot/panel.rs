@@ -66,10 +66,10 @@ pub fn text(height: f64) -> TextStyle<'static> {
 
 /// A panel's name above it; the rest of the area.
 pub fn titled<'a>(area: &Area<'a>, title: &str) -> Result<Area<'a>, Fault> {
-    let (above, below) = area.split_vertically(unit(TITLE + 8.0));
+    let (above, below) = area.margin(unit(8.0), unit(4.0), 0, 0).split_vertically(unit(TITLE + 8.0));
     let (width, _) = above.dim_in_pixel();
     let style = text(TITLE).pos(Pos::new(HPos::Center, VPos::Top));
-    above.draw(&Text::new(title.to_string(), (width as i32 / 2, unit(4.0)), style))?;
+    above.draw(&Text::new(title.to_string(), (width as i32 / 2, unit(1.0)), style))?;
     Ok(below)
 }
 

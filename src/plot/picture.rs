@@ -2,6 +2,8 @@
 
 use super::Fault;
 use super::sheet::{Area, unit};
+use image::RgbImage;
+use image::imageops::{FilterType, resize};
 use plotters::element::BitMapElement;
 
 /// An RGB picture, rows from the top, as large as fits into the area.
@@ -11,13 +13,8 @@ pub fn picture(area: &Area, rgb: &[[u8; 3]], width: u32, height: u32) -> Result<
     let scale = (w / width as f64).min(h / height as f64);
     let (across, down) = ((width as f64 * scale) as u32, (height as f64 * scale) as u32);
     let at = (unit(6.0) + ((w - across as f64) / 2.0) as i32, unit(6.0) + ((h - down as f64) / 2.0) as i32);
-    let mut bytes = Vec::with_capacity((3 * across * down) as usize);
-    for j in 0..down {
-        for i in 0..across {
-            let (x, y) = (i as u64 * width as u64 / across as u64, j as u64 * height as u64 / down as u64);
-            bytes.extend(rgb[(y * width as u64 + x) as usize]);
-        }
-    }
+    let small = RgbImage::from_raw(width, height, rgb.as_flattened().to_vec()).ok_or("a picture of another size")?;
+    let bytes = resize(&small, across, down, FilterType::Triangle).into_raw();
     let image: BitMapElement<_> = BitMapElement::with_owned_buffer(at, (across, down), bytes).ok_or("a picture of no size")?;
     area.draw(&image)?;
     Ok(())

@@ -51,18 +51,29 @@ pub fn draw(width: u32, height: u32, work: impl FnOnce(&Area) -> Result<(), Faul
     }
     svg.push_str("</svg>\n");
 
-    // The mean of the points of each unit.
+    let (small, width, height) = shrunk(&pixels, w, h);
+    Ok(Drawing { png: png(&small, width, height)?, svg })
+}
+
+/// An RGB image with a pixel a unit: the mean of the points of each.
+fn shrunk(rgb: &[u8], w: u32, h: u32) -> (Vec<u8>, u32, u32) {
+    let (width, height) = ((w / FINE).max(1), (h / FINE).max(1));
     let mut small = Vec::with_capacity((3 * width * height) as usize);
     for y in 0..height {
         for x in 0..width {
             for k in 0..3 {
-                let at = |i: u32| pixels[(3 * ((y * FINE + i / FINE) * w + x * FINE + i % FINE) + k) as usize] as u32;
-                let sum: u32 = (0..FINE * FINE).map(at).sum();
-                small.push(((sum + FINE * FINE / 2) / (FINE * FINE)) as u8);
+                let (mut sum, mut count) = (0, 0);
+                for j in y * FINE..((y + 1) * FINE).min(h) {
+                    for i in x * FINE..((x + 1) * FINE).min(w) {
+                        sum += rgb[(3 * (j * w + i) + k) as usize] as u32;
+                        count += 1;
+                    }
+                }
+                small.push(((sum + count / 2) / count) as u8);
             }
         }
     }
-    Ok(Drawing { png: png(&small, width, height)?, svg })
+    (small, width, height)
 }
 
 /// A PNG of RGB bytes.
@@ -180,8 +191,9 @@ impl<'a> DrawingBackend for Sheet<'a> {
     }
 
     fn blit_bitmap(&mut self, (x, y): BackendCoord, (w, h): (u32, u32), rgb: &[u8]) -> Outcome<'a> {
-        // What cannot be packed is left out of the SVG and seen in the PNG.
-        if let Ok(packed) = png(rgb, w, h) {
+        // As fine as the PNG. What cannot be packed is left out of the SVG and seen in the PNG.
+        let (small, sw, sh) = shrunk(rgb, w, h);
+        if let Ok(packed) = png(&small, sw, sh) {
             let data = BASE64_STANDARD.encode(packed);
             let href = format!("href=\"data:image/png;base64,{data}\"");
             let _ = writeln!(self.svg, "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" {href}/>");

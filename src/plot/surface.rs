@@ -112,6 +112,6 @@ pub fn surface(area: &Area, grid: &Grid, map: &Map, names: &Names, quads: usize)
     area.draw(&words(names.y.into(), [1.0, 0.5, 0.0], 12.0, 12.0, HPos::Left))?;
     area.draw(&words(number(map.high), [0.0, 0.0, 1.0], -6.0, 0.0, HPos::Right))?;
     area.draw(&words(number(map.low), [0.0, 0.0, 0.0], -8.0, -2.0, HPos::Right))?;
-    area.draw(&words(names.z.into(), [0.0, 0.0, 1.0], 0.0, -14.0, HPos::Center))?;
+    area.draw(&words(names.z.into(), [0.0, 0.0, 1.0], -8.0, -16.0, HPos::Center))?;
     Ok(())
 }
