@@ -37,7 +37,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        Options { flat_cells: 1024, cells: 4096, evaluations: 32, width: 360, points: 96 }
+        Options { flat_cells: 1024, cells: 4096, evaluations: 32, width: 300, points: 80 }
     }
 }
 

@@ -11,6 +11,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Height of a line of text, units.
 const TEXT: f64 = 14.0;
+/// Points of a line that are drawn at once.
+const PIECE: usize = 8;
 /// Height of a line of a title, units.
 const TITLE: f64 = 16.0;
 
@@ -151,7 +153,10 @@ impl<'a, 'b> Panel<'a, 'b> {
     pub fn line(&mut self, points: &[[f64; 2]], color: RGBColor, width: f64) -> Result<(), Fault> {
         let path: Vec<_> = points.iter().map(|&p| self.at(p)).collect();
         let style = color.stroke_width(unit(width).max(1) as u32);
-        self.chart.draw_series(std::iter::once(PathElement::new(path, style)))?;
+        // In pieces: filling the outline of a long line takes plotters half a minute.
+        let pieces = (0..path.len().saturating_sub(1)).step_by(PIECE);
+        let pieces: Vec<_> = pieces.map(|i| PathElement::new(path[i..(i + PIECE + 1).min(path.len())].to_vec(), style)).collect();
+        self.chart.draw_series(pieces)?;
         Ok(())
     }
 
