@@ -106,8 +106,9 @@ pub trait Engine: Responder {
         beat: &mut dyn FnMut() -> Result<()>,
     ) -> Result<Sums>;
     /// Pass `deposit`: what the rays of all batches bring to the nodes from rho (D + H) at their emitter
-    /// ends; H is what `readout` found where `lit`, else 0. `direct` must have run.
-    fn deposit(&mut self, batches: &[Self::Batch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>>;
+    /// ends, or without `exact` from E + rho H; H is what `readout` found where `lit`, else 0. `direct` must have
+    /// run where `exact`.
+    fn deposit(&mut self, batches: &[Self::Batch], exact: bool, lit: bool, normalise: f32) -> Result<Vec<NodeSource>>;
     /// Sets the linear system that `jacobi` iterates.
     fn set_system(&mut self, system: &System) -> Result<()>;
     /// Pass `jacobi`: `sweeps` sweeps from `light`.

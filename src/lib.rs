@@ -76,7 +76,7 @@ pub use baker::{Baked, Baker, LIGHT_TEXTURE_WIDTH, Ready};
 pub use checkpoint::Checkpoint;
 pub use engine::Backend;
 pub use error::{Error, Result};
-pub use params::{Direct, Norm, Params};
+pub use params::{Cells, Direct, Method, Mode, Norm, Params, Solver};
 pub use progress::{Event, Flow};
 pub use scene::Scene;
 pub use solution::{Answer, Camera, Image, Solution, Status, SurfacePoint};

@@ -34,6 +34,43 @@ impl Mode {
     }
 }
 
+/// How light is carried between surfaces: the network, or a classical method to hold it against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// The neural mesh of light rays.
+    #[default]
+    Network,
+    /// Finite elements: uniform patches, a form factor for each pair of them (Goral et al. 1984).
+    Fem,
+    /// Links between patches of a hierarchy, as coarse as the light they carry allows (Hanrahan et al. 1991).
+    Hierarchical,
+    /// Every light ray its own coefficient: the network's rays and nodes without its cells.
+    Rays,
+}
+
+/// How the linear system is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Solver {
+    /// Jacobi sweeps, on the device where the method has them there.
+    #[default]
+    Jacobi,
+    /// Gauss-Seidel sweeps on the host: fewer, one after the other.
+    GaussSeidel,
+}
+
+/// Where the network's cells come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cells {
+    /// Grown and trained on the rays.
+    #[default]
+    Trained,
+    /// Rays drawn at random: what growth is held against.
+    Random,
+}
+
 /// How flatland's kernel is normalised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -63,7 +100,7 @@ impl Norm {
 /// Nodes per square root of rays: where nodes carry gradients, more only add noise.
 const NODES_PER_ROOT: f64 = 1.4;
 /// The same in flatland.
-const FLAT_NODES_PER_ROOT: f64 = 0.4;
+const FLAT_NODES_PER_ROOT: f64 = 0.6;
 /// The same in paper mode, whose nodes carry values alone, for each kernel evaluation.
 const PAPER_NODES_PER_ROOT: f64 = 2.0;
 /// Planar pieces beyond which each gets a node.
@@ -80,7 +117,7 @@ pub struct Params {
     /// Cells (reference rays) of the network, 16 to 100,000; default `rays/512`, where the
     /// refinements take their error out of the result; `rays/128` with `--direct network`.
     pub cells: Option<u32>,
-    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)` (`0.4 sqrt(rays)` in
+    /// Nodes of the surface network before those for orphans; default `1.4 sqrt(rays)` (`0.6 sqrt(rays)` in
     /// flatland), plus one for each planar piece where there are more than 200, at most twice as many.
     pub nodes: Option<u32>,
     /// How direct light is carried.
@@ -117,7 +154,7 @@ pub struct Params {
     pub refinements: u32,
     /// Relative error at which Jacobi stops, measured against the true fixed point, in [1e-9, 0.1]; default 1e-5.
     pub tolerance: f64,
-    /// Most Jacobi sweeps, 1 to 1,000,000; default 20,000.
+    /// Most sweeps of the solver, 1 to 1,000,000; default 20,000.
     pub max_sweeps: u32,
     /// What the network learns.
     #[serde(default, skip_serializing_if = "Mode::is_flux")]
@@ -125,6 +162,27 @@ pub struct Params {
     /// What [`Mode::Paper`] goes by.
     #[serde(default, skip_serializing_if = "PaperParams::is_default")]
     pub paper: PaperParams,
+    /// What carries the light.
+    #[serde(default)]
+    pub method: Method,
+    /// Patches of the `fem` method, and of the `hierarchical` one before it refines, 4 to 32,768; default 1,600.
+    /// Form factors, and the time they take, grow with the square.
+    #[serde(default = "patches")]
+    pub patches: u32,
+    /// How the linear system is solved.
+    #[serde(default)]
+    pub solver: Solver,
+    /// Reflections that are counted, 1 to 100,000: the Neumann series of the light broken off there. `None`, the
+    /// default: all of them. Points are then shown without final gathers, which would add a reflection.
+    #[serde(default)]
+    pub bounces: Option<u32>,
+    /// Where the network's cells come from.
+    #[serde(default)]
+    pub cells_from: Cells,
+}
+
+fn patches() -> u32 {
+    Params::default().patches
 }
 
 impl Default for Params {
@@ -152,6 +210,11 @@ impl Default for Params {
             max_sweeps: 20_000,
             mode: Mode::Flux,
             paper: PaperParams::default(),
+            method: Method::Network,
+            patches: 1_600,
+            solver: Solver::Jacobi,
+            bounces: None,
+            cells_from: Cells::Trained,
         }
     }
 }
@@ -184,6 +247,22 @@ impl Params {
         within("refinements", self.refinements, 0, 16, "give 0 to 16 refinements")?;
         within("tolerance", self.tolerance, 1e-9, 0.1, "give 1e-9 to 0.1")?;
         within("max_sweeps", self.max_sweeps, 1, 1_000_000, "give 1 to 1000000 sweeps")?;
+        within("patches", self.patches, 4, 32_768, "give 4 to 32768 patches")?;
+        if matches!(self.method, Method::Rays | Method::Hierarchical) && self.solver != Solver::Jacobi {
+            let range = "rays and links carry all light at once; leave --solver out, or use --method network or fem";
+            return Err(Error::InvalidParam { name: "solver", value: "gauss-seidel".into(), range });
+        }
+        if let Some(n) = self.bounces {
+            within("bounces", n, 1, 100_000, "give 1 to 100000 reflections")?;
+            if self.solver != Solver::Jacobi {
+                let range = "the series of reflections is what Jacobi's sweeps are; leave --solver or --bounces out";
+                return Err(Error::InvalidParam { name: "solver", value: "gauss-seidel".into(), range });
+            }
+        }
+        if self.mode == Mode::Paper && self.method != Method::Network {
+            let range = "the paper's method is a network; leave --method or --mode out";
+            return Err(Error::InvalidParam { name: "mode", value: "paper".into(), range });
+        }
         self.paper.check()
     }
 

@@ -91,12 +91,14 @@ fn shade_chunk<E: Engine>(
         progress.tick()?;
     }
     let mut wanted = Vec::new();
+    // What a gather brings has been reflected once more.
+    let gathers = params.gather_rays > 0 && params.bounces.is_none();
     for i in 0..points.len() {
         let d = direct[i].mean().map(f64::from);
         let covered = near[i].is_dead() && d == [0.0; 3];
         let irradiance = [0, 1, 2].map(|k| if covered { 0.0 } else { d[k] + network[i][k] as f64 });
         let close = near[i].nearness as f64 * params.gather_threshold * spacing > 1.0;
-        if params.gather_rays > 0 && !covered && (close || psi[i].is_orphan()) {
+        if gathers && !covered && (close || psi[i].is_orphan()) {
             wanted.push(i);
         }
         shades.push(Shade { direct: d, irradiance, covered });

@@ -18,6 +18,7 @@ pub(crate) enum Stream {
     PointProbe,
     PointGather,
     HitDirect,
+    Patches,
 }
 
 pub(crate) fn stream(seed: u32, which: Stream) -> u32 {

@@ -481,9 +481,15 @@ fn the_documents_examples_load() {
     let body = |i: usize| blocks[i].split_once('\n').unwrap().1.as_bytes();
     let mut bin: Vec<u8> = [0f32, 0., 0., 0., 0., 1., 1., 0., 1., 1., 0., 0.].iter().flat_map(|f| f.to_le_bytes()).collect();
     bin.extend([0u16, 1, 2, 0, 2, 3, 2, 1, 0, 3, 2, 0].iter().flat_map(|i| i.to_le_bytes()));
-    let files: [(&str, &[u8]); 5] =
-        [("room.obj", body(0)), ("room.mtl", body(1)), ("room.gltf", body(2)), ("room.toml", body(3)), ("room.bin", &bin)];
-    for (i, faces) in [(0, 4), (2, 4), (3, 5)] {
+    let files: [(&str, &[u8]); 6] = [
+        ("room.obj", body(0)),
+        ("room.mtl", body(1)),
+        ("room.gltf", body(2)),
+        ("room.toml", body(3)),
+        ("flat.toml", body(4)),
+        ("room.bin", &bin),
+    ];
+    for (i, faces) in [(0, 4), (2, 4), (3, 5), (4, 5)] {
         let mut there = vec![files[i], ("chair.obj", TRIANGLE), ("s.mtl", b"newmtl a\nKd .5 .5 .5\n")];
         there.extend(files);
         let scene = load(&there, &LoadOptions::default()).unwrap();

@@ -729,20 +729,21 @@ fn deposit_equals_its_twin() {
         let device =
             (gpu.upload("points", &points).unwrap(), gpu.upload("psi", &psi).unwrap(), gpu.upload("direct", &direct).unwrap());
         let device_light = gpu.upload("light", &light).unwrap();
-        for lit in [false, true] {
+        for (exact, lit) in [(true, false), (true, true), (false, false), (false, true)] {
             let known = if lit { light.as_slice() } else { &[] };
-            let want = twin::deposit::deposit(&base.geometry, &base.surface, &points, &psi, &direct, known, normalise);
+            let sums = exact.then_some(direct.as_slice());
+            let want = twin::deposit::deposit(&base.geometry, &base.surface, &points, &psi, sums, known, normalise);
             let sums = gpu.alloc("sums", base.surface.nodes.len()).unwrap();
-            let light = lit.then_some(&device_light);
-            pass::deposit::deposit(&gpu, &scene, &surface, &device.0, &device.1, &device.2, light, normalise, &sums).unwrap();
+            let (direct, light) = (exact.then_some(&device.2), lit.then_some(&device_light));
+            pass::deposit::deposit(&gpu, &scene, &surface, &device.0, &device.1, direct, light, normalise, &sums).unwrap();
             let got = gpu.read(&sums).unwrap();
             assert!(n < 2 || want.iter().any(|s| s.value[0].units() != 0), "something arrives");
             // Integer sums of the same floats; a contracted product may differ in its last bit.
             let near = |a: Fixed, b: Fixed| (a.units() - b.units()).abs() <= (a.units().abs() >> 16) + (1 << 34);
             for (a, b) in want.iter().zip(&got) {
                 for k in 0..3 {
-                    assert!(near(a.value[k], b.value[k]), "{n} {lit}: {a:?} {b:?}");
-                    assert!(near(a.first[k], b.first[k]) && near(a.second[k], b.second[k]), "{n} {lit}: {a:?} {b:?}");
+                    assert!(near(a.value[k], b.value[k]), "{n} {exact} {lit}: {a:?} {b:?}");
+                    assert!(near(a.first[k], b.first[k]) && near(a.second[k], b.second[k]), "{n} {exact} {lit}: {a:?} {b:?}");
                 }
             }
         }

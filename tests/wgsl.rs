@@ -169,7 +169,7 @@ fn parameters_match() {
                 pad2
             }),
         ),
-        ("deposit", layout!(pass::deposit::Params { base, count, lit, normalise })),
+        ("deposit", layout!(pass::deposit::Params { base, count, known, normalise })),
         ("flux", layout!(pass::coefficients::FluxParams { base, count, exact, normalise })),
         ("beta", layout!(pass::jacobi::Params { base, count, flag, pad0 })),
         ("update", layout!(pass::jacobi::Params { base, count, flag, pad0 })),

@@ -7,7 +7,7 @@
 struct Params {
     base: u32,
     count: u32,
-    lit: u32, // 1: H is known at every point
+    known: u32, // bit 0: H is known at every point; bit 1: D is, and emitter ends send rho D, not E
     normalise: f32, // what weights are multiplied by
 }
 
@@ -35,10 +35,14 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let x = d ^ 1u;
     var h = vec3<f32>(0.0);
-    if params.lit == 1u {
+    if (params.known & 1u) != 0u {
         h = light[x].xyz;
     }
-    let sent = materials[tris[points[x].tri].material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+    let material = materials[tris[points[x].tri].material];
+    var sent = material.rho * h + material.emit;
+    if (params.known & 2u) != 0u {
+        sent = material.rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+    }
     for (var k = 0u; k < 4u; k++) {
         let weight = psi[d].weight[k];
         if weight > 0.0 {

@@ -9,16 +9,17 @@ use super::Clock;
 use crate::checkpoint::{Checkpoint, Pilot, once};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, NodeLight, Tile};
+use crate::layout::{DirectSum, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
-use crate::params::{Direct, Params};
+use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
 use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
 use crate::stream::{Stream, stream};
+use crate::twin::assign::Surface;
 use crate::twin::direct::Samples;
 use crate::twin::math::seed_of;
 use crate::twin::winner::Metric;
@@ -37,17 +38,26 @@ pub const BATCH: u32 = 65_536;
 const FIRST_FEATURES: usize = 4_096;
 
 /// What a network is trained on.
-struct Stage<'a> {
+pub(super) struct Stage {
     rays: u32,
     cells: u32,
     nodes: usize,
-    tiles: &'a [Tile],
-    brightness: &'a [f64],
-    density: &'a [f64],
+    tiles: Vec<Tile>,
+    /// What each tile sends.
+    pub brightness: Vec<f64>,
+    density: Vec<f64>,
     refinements: u32,
     seeds: [u32; 3],
     /// The network that counts: its stages are told, and its points are many.
     told: bool,
+}
+
+/// Nodes, and rays with what is known at their ends.
+pub(super) struct Traced<B> {
+    pub surface: Surface,
+    pub batches: Vec<B>,
+    /// Points of each batch.
+    pub lengths: Vec<usize>,
 }
 
 /// The order of the passes, on any engine. Fills the checkpoint.
@@ -63,6 +73,21 @@ pub fn run<E: Engine>(
     if saved.is_whole() {
         return Ok(());
     }
+    let stage = full(engine, scene, geometry, params, saved, clock, progress)?;
+    let mut batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
+    account(engine, geometry, params, &mut batches, saved, clock, progress)
+}
+
+/// What the full network is trained on: asks the pilot.
+pub(super) fn full<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<Stage> {
     let exact = params.direct == Direct::Exact;
     let count = params.node_count(geometry.pieces, geometry.flatland);
     if saved.pilot.is_none() {
@@ -74,27 +99,37 @@ pub fn run<E: Engine>(
     }
     let Pilot { carried, density, .. } = saved.pilot.clone().unwrap_or_default();
 
-    // The full network. Shared out by less than its light, a dark part still gets rays enough to be read.
+    // Shared out by less than its light, a dark part still gets rays enough to be read.
     let gamma = if exact { params.gamma } else { 1.0 };
     let wanted: Vec<f64> = carried.iter().map(|c| c.powf(gamma)).collect();
-    let stage = Stage {
+    Ok(Stage {
         rays: params.rays,
         cells: params.cells(),
         nodes: count,
-        tiles: &tiles::starts(geometry, &wanted, params.alpha),
-        brightness: &carried,
-        density: &density,
+        tiles: tiles::starts(geometry, &wanted, params.alpha),
+        brightness: carried,
+        density,
         refinements: params.refinements,
         told: true,
         seeds: [Stream::Nodes, Stream::Rays, Stream::Ends].map(|s| stream(params.seed, s)),
-    };
-    let mut batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
+    })
+}
 
-    // Where did every watt go?
+/// Where did every watt go?
+pub(super) fn account<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    params: &Params,
+    batches: &mut [E::Batch],
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    let exact = params.direct == Direct::Exact;
     let seed = stream(params.seed, Stream::Emission);
     let light = &saved.network.light;
     let energy =
-        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, &mut batches, progress))?;
+        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, batches, progress))?;
     saved.energy = Some(energy);
     saved.network.direct = Vec::new();
     clock.compile = Some(engine.compile_seconds());
@@ -133,9 +168,9 @@ fn pilot<E: Engine>(
         rays: PILOT_RAYS.min(params.rays),
         cells: PILOT_CELLS,
         nodes: if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES },
-        tiles: &tiles::starts(geometry, &first, params.alpha),
-        brightness: &first,
-        density: &vec![1.0; geometry.tiles as usize],
+        tiles: tiles::starts(geometry, &first, params.alpha),
+        brightness: first,
+        density: vec![1.0; geometry.tiles as usize],
         refinements: 0,
         told: false,
         seeds: [Stream::PilotNodes, Stream::PilotRays, Stream::PilotEnds].map(|s| stream(params.seed, s)),
@@ -171,31 +206,31 @@ fn pilot<E: Engine>(
     Ok(Pilot { nodes, light, carried, density, winding })
 }
 
-/// Trains and solves one network, as far as it is not in the checkpoint already. Returns its rays.
-fn network<E: Engine>(
+/// Places the nodes and shoots the rays, as far as they are not in the checkpoint already.
+pub(super) fn trace<E: Engine>(
     engine: &mut E,
-    scene: &Scene,
     geometry: &Geometry,
     params: &Params,
     stage: &Stage,
     saved: &mut Checkpoint,
     clock: &mut Clock,
     progress: &mut Progress,
-) -> Result<Vec<E::Batch>> {
+) -> Result<Traced<E::Batch>> {
     let exact = params.direct == Direct::Exact;
     let [node_seed, ray_seed, end_seed] = stage.seeds;
-    let tell = |progress: &mut Progress, name| if stage.told { progress.event(Event::Stage { name }) } else { Ok(()) };
-    tell(progress, "train")?;
+    if stage.told {
+        progress.event(Event::Stage { name: "train" })?;
+    }
 
     // Place the nodes.
     let lambda = params.lambda as f32;
-    let mut surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
+    let surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
         Some(nodes) => {
             let surface = nodes::surface_of(geometry, nodes.clone(), lambda, stage.told);
             engine.set_surface(&surface)?;
             Ok(surface)
         }
-        None => nodes::place_nodes(engine, geometry, stage.density, stage.nodes, lambda, node_seed, stage.told, progress),
+        None => nodes::place_nodes(engine, geometry, &stage.density, stage.nodes, lambda, node_seed, stage.told, progress),
     })?;
     saved.network.nodes = Some(surface.nodes.clone());
     saved.keep(progress)?;
@@ -210,7 +245,7 @@ fn network<E: Engine>(
     let (mut batches, mut lengths) = (Vec::new(), Vec::new());
     for first in (0..stage.rays).step_by(BATCH as usize) {
         let count = BATCH.min(stage.rays - first);
-        let mut batch = clock.time(engine, "emit", |engine| engine.emit(stage.tiles, ray_seed, first, count, stage.rays))?;
+        let mut batch = clock.time(engine, "emit", |engine| engine.emit(&stage.tiles, ray_seed, first, count, stage.rays))?;
         progress.tick()?;
         let net = &mut saved.network;
         net.rays = net.rays.max(first + count);
@@ -236,12 +271,32 @@ fn network<E: Engine>(
         saved.keep(progress)?;
         progress.event(Event::Rays { done: (first + count) as u64, total: stage.rays as u64 })?;
     }
+    Ok(Traced { surface, batches, lengths })
+}
+
+/// Trains and solves one network, as far as it is not in the checkpoint already. Returns its rays.
+fn network<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    stage: &Stage,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<Vec<E::Batch>> {
+    let exact = params.direct == Direct::Exact;
+    let tell = |progress: &mut Progress, name| if stage.told { progress.event(Event::Stage { name }) } else { Ok(()) };
+    let Traced { mut surface, mut batches, lengths } = trace(engine, geometry, params, stage, saved, clock, progress)?;
 
     if saved.network.coefficients.is_none() {
         // Grow the cells.
         let net = &mut saved.network;
         if net.growth.is_none() {
-            net.growth = Some(Growth::start(&engine.features(&batches[0], 0..lengths[0].min(FIRST_FEATURES))?));
+            net.growth = Some(match params.cells_from {
+                Cells::Trained => Growth::start(&engine.features(&batches[0], 0..lengths[0].min(FIRST_FEATURES))?),
+                Cells::Random => Growth::random(engine, &batches, &lengths, stage.cells as usize, stage.seeds[1])?,
+            });
         }
         while let Some(growth) = saved.network.growth.as_mut().filter(|g| !g.done) {
             clock.time(engine, "grow", |engine| growth.epoch(engine, &mut batches, &lengths, stage.cells as usize))?;
@@ -298,7 +353,7 @@ fn network<E: Engine>(
             if exact {
                 // The first bounce is known at every ray's end; it needs no cell.
                 built.system.source.fill([0.0; 4]);
-                let sums = engine.deposit(&batches, false, normalise)?;
+                let sums = engine.deposit(&batches, exact, false, normalise)?;
                 built.system.node_source = coefficients::known(&sums, &surface.nodes, &built.mass);
             }
             Ok(built)
@@ -310,22 +365,22 @@ fn network<E: Engine>(
         saved.keep(progress)?;
     }
 
-    // Solve.
+    // Solve. With exact direct light the nodes' rows begin with the second reflection; a refinement adds one.
     tell(progress, "solve")?;
+    let bounces = params.bounces.filter(|_| stage.told).map(|n| n - exact as u32);
+    let refinements = if exact { stage.refinements.min(bounces.unwrap_or(u32::MAX)) } else { 0 };
+    let by_cells = bounces.map(|n| n - refinements);
     let built = saved.network.coefficients.clone().unwrap_or_default();
     if saved.network.solved.is_none() {
         let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
-        let (light, solved) = clock.time(engine, "solve", |engine| {
-            engine.set_system(&built.system)?;
-            let dark = vec![NodeLight::default(); surface.nodes.len()];
-            solver::solve(engine, geometry, dark, params.tolerance, params.max_sweeps, progress, &names)
-        })?;
+        let (light, solved) = clock
+            .time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, by_cells, progress, &names))?;
         (saved.network.light, saved.network.solved) = (light, Some(solved));
         saved.keep(progress)?;
     }
 
     // Let the rays carry the solution on, each from its own end: what the cells leave out fades with every sweep.
-    while exact && saved.network.refined < stage.refinements {
+    while saved.network.refined < refinements {
         let net = &mut saved.network;
         net.light = clock.time(engine, "solve", |engine| {
             engine.set_light(&net.light)?;
@@ -333,7 +388,7 @@ fn network<E: Engine>(
                 engine.readout(batch)?;
                 progress.tick()?;
             }
-            let sums = engine.deposit(&batches, true, normalise(geometry, params))?;
+            let sums = engine.deposit(&batches, exact, true, normalise(geometry, params))?;
             let by_rays = coefficients::known(&sums, &surface.nodes, &built.mass);
             Ok(coefficients::fit(&by_rays, &built.system.planes))
         })?;
@@ -344,6 +399,6 @@ fn network<E: Engine>(
 }
 
 /// What brings the weight of all rays together to 1 at most: they weigh 2 A / (1 - alpha).
-fn normalise(geometry: &Geometry, params: &Params) -> f32 {
+pub(super) fn normalise(geometry: &Geometry, params: &Params) -> f32 {
     ((1.0 - params.alpha) / (2.0 * geometry.area.max(f64::MIN_POSITIVE))) as f32
 }

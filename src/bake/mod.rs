@@ -1,13 +1,17 @@
 //! The bake: the one room that knows the order of the passes, a file a method.
 
+mod fem;
 pub(crate) mod flux;
+mod hierarchical;
 pub(crate) mod paper;
+mod patchwork;
+mod rays;
 
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
-use crate::params::{Mode, Norm, Params};
+use crate::params::{Method, Mode, Norm, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::scene::{Geometry, Scene};
@@ -46,22 +50,6 @@ impl Clock {
 
     pub fn get(&self, name: &str) -> Option<f64> {
         self.seconds.get(name).copied()
-    }
-}
-
-/// The method's own order of passes.
-fn run<E: Engine>(
-    engine: &mut E,
-    scene: &Scene,
-    geometry: &Geometry,
-    params: &Params,
-    saved: &mut Checkpoint,
-    clock: &mut Clock,
-    progress: &mut Progress,
-) -> Result<()> {
-    match params.mode {
-        Mode::Flux => flux::run(engine, scene, geometry, params, saved, clock, progress),
-        Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
     }
 }
 
@@ -141,4 +129,23 @@ pub fn bake_from(
         report.extra.insert(key.into(), value);
     }
     Ok(solution)
+}
+
+/// The method asked for.
+fn run<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    match params.method {
+        Method::Network if params.mode == Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Fem => fem::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Rays => rays::run(engine, scene, geometry, params, saved, clock, progress),
+        Method::Hierarchical => hierarchical::run(engine, scene, geometry, params, saved, clock, progress),
+    }
 }

@@ -5,19 +5,18 @@
 //! 3. The network's answers become coefficients, of the flux mode's kind of system.
 //! 4. The flux mode's solver. Nothing else of it: no cosine rays carry light, no footprint is measured.
 
-use super::Clock;
+use super::{Clock, patchwork};
 use crate::checkpoint::{Checkpoint, Learned};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::NodeLight;
+use crate::layout::Point;
 use crate::network::nodes;
 use crate::network::pairs::{PairMetric, Pairs};
 use crate::network::supervised::{Goal, Samples, Settings, Supervised};
-use crate::network::tiles::starts;
 use crate::params::{Direct, Form, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::ends::{Ends, visible};
-use crate::radiosity::{energy, links, nystrom, solver};
+use crate::radiosity::{cell_links, nystrom, solver};
 use crate::scene::{Geometry, Scene};
 use crate::stream::{Stream, stream};
 
@@ -25,8 +24,6 @@ use crate::stream::{Stream, stream};
 const JUDGED: usize = 16_384;
 /// Where they lie in the sequence of pairs: beyond all that training may draw.
 const JUDGED_FROM: u64 = 1 << 31;
-/// Rays that follow the solved light to where it ends.
-const ENERGY_RAYS: u32 = 65_536;
 
 /// How the parameters train a network.
 pub fn settings(params: &Params) -> Settings {
@@ -60,7 +57,7 @@ pub fn learn<E: Engine>(
     geometry: &Geometry,
     params: &Params,
     progress: &mut Progress,
-) -> Result<(Supervised, Samples<[crate::layout::Point; 2]>, Learned)> {
+) -> Result<(Supervised, Samples<[Point; 2]>, Learned)> {
     let (settings, metric) = (settings(params), metric(geometry, params));
     let mut goal = Pairs::new(engine, geometry, metric, stream(params.seed, Stream::Rays));
     let first: Vec<_> = goal.draw(JUDGED_FROM, 64).iter().map(|p| goal.input(p)).collect();
@@ -117,7 +114,7 @@ pub fn run<E: Engine>(
 
     // Read the network as coefficients.
     progress.event(Event::Stage { name: "coefficients" })?;
-    let built = clock.time(engine, "coefficients", |engine| {
+    let mut built = clock.time(engine, "coefficients", |engine| {
         let (settings, metric) = (settings(params), metric(geometry, params));
         let nodes = &surface.nodes;
         let visible = match params.paper.calibrate {
@@ -134,44 +131,23 @@ pub fn run<E: Engine>(
                 nystrom::build(engine, geometry, &net, &settings, metric, nodes, ends, mask, visible.as_deref())
             }
             Form::Links => {
-                links::build(engine, geometry, &net, &settings, metric, nodes, &samples, ends, visible.as_deref(), place)
+                cell_links::build(engine, geometry, &net, &settings, metric, nodes, &samples, ends, visible.as_deref(), place)
             }
         }
     })?;
 
+    built.evaluations = learned.evaluations;
+
     // Solve.
     progress.event(Event::Stage { name: "solve" })?;
     let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
-    let (light, solved) = clock.time(engine, "solve", |engine| {
-        engine.set_system(&built.system)?;
-        let dark = vec![NodeLight::default(); surface.nodes.len()];
-        solver::solve(engine, geometry, dark, params.tolerance, params.max_sweeps, progress, &names)
-    })?;
+    let bounces = params.bounces.map(|n| n - exact as u32);
+    let (light, solved) = clock
+        .time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, bounces, progress, &names))?;
 
-    // Where did every watt go? Rays follow the light that was found; they bring none.
-    let tiles = starts(geometry, &vec![0.0; geometry.tiles as usize], 0.0);
-    let seed = stream(params.seed, Stream::Emission);
-    let account = clock.time(engine, "energy", |engine| {
-        let mut batch = engine.emit(&tiles, seed, 0, ENERGY_RAYS, ENERGY_RAYS)?;
-        if exact {
-            engine.direct(
-                &mut batch,
-                None,
-                seed,
-                0,
-                1,
-                crate::twin::direct::Samples { emitter: params.end_samples, cosine: 1 },
-            )?;
-        }
-        engine.assign(&mut batch)?;
-        energy::account(engine, geometry, seed, exact, &light, &mut [batch], progress)
-    })?;
     let network = &mut saved.network;
     network.nodes = Some(surface.nodes);
     (network.coefficients, network.solved, network.light) = (Some(built), Some(solved), light);
     saved.learned = Some(learned);
-    saved.energy = Some(account);
-    clock.compile = Some(engine.compile_seconds());
-    clock.device_bytes = Some(engine.device_bytes());
-    saved.keep(progress)
+    patchwork::account(engine, geometry, params, saved, clock, progress)
 }

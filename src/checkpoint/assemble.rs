@@ -33,6 +33,7 @@ impl Checkpoint {
                 triangles: geometry.tris.len() as u64,
                 dropped: (geometry.degenerate.len() + geometry.duplicate.len()) as u64,
             },
+            method: word(&params.method),
             seed: params.seed,
             params: params.clone(),
             partial: !self.is_whole(),
@@ -44,11 +45,13 @@ impl Checkpoint {
         let (nodes, light, cells, system) = match (net, &self.pilot) {
             (Network { nodes: Some(nodes), growth, coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
                 report.coefficients = c.stored;
+                report.kernel_evaluations = c.evaluations;
                 report.solver = SolverReport {
-                    method: "jacobi".into(),
+                    method: word(&params.solver),
                     sweeps: solved.sweeps as u64,
                     residual: Some(solved.residual),
-                    error_bound: Some(solved.error_bound),
+                    // A series that is broken off has no fixed point.
+                    error_bound: params.bounces.is_none().then_some(solved.error_bound),
                 };
                 (nodes.clone(), light.clone(), cells(growth, &self.learned), c.system.clone())
             }
@@ -57,7 +60,7 @@ impl Checkpoint {
         };
         report.cells = self.learned.as_ref().map_or(system.source.len(), |l| l.cells.len()) as u64;
         report.nodes = nodes.len() as u64;
-        report.rays = net.rays as u64;
+        report.rays = net.rays as u64 + net.coefficients.as_ref().map_or(0, |c| c.looks);
         let surface = surface_of(geometry, nodes, params.lambda as f32, true);
         Solution::new(scene.clone(), geometry.clone(), params.clone(), surface, light, cells, system, report)
     }
@@ -86,8 +89,13 @@ fn cells(growth: &Option<Growth>, learned: &Option<Learned>) -> Vec<Feature> {
     trained.cloned().unwrap_or_default()
 }
 
+/// A parameter's choice as it is spelled in files.
+fn word(choice: &impl serde::Serialize) -> String {
+    serde_json::to_value(choice).ok().and_then(|v| v.as_str().map(str::to_string)).unwrap_or_default()
+}
+
 /// The system of nodes that no cell speaks of.
-fn unread(nodes: &[Node]) -> System {
+pub(crate) fn unread(nodes: &[Node]) -> System {
     System {
         cell_offsets: vec![0],
         node_offsets: vec![0; nodes.len() + 1],

@@ -29,8 +29,8 @@ struct Header {
     nodes: bool,
     rays: u32,
     growth: Option<GrowthHeader>,
-    /// Slots stored, and the share of mass that was dropped.
-    coefficients: Option<(u64, f64)>,
+    /// Coefficients stored, the share of mass that was dropped, kernel evaluations, and rays that looked around.
+    coefficients: Option<(u64, f64, u64, u64)>,
     solved: Option<Solved>,
     refined: u32,
     energy: Option<Energy>,
@@ -60,7 +60,7 @@ impl Checkpoint {
             nodes: net.nodes.is_some(),
             rays: net.rays,
             growth: growth.map(|g| GrowthHeader { training: g.training, batch: g.batch, at: g.at, lloyd: g.lloyd, done: g.done }),
-            coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped)),
+            coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped, c.evaluations, c.looks)),
             solved: net.solved,
             refined: net.refined,
             energy: self.energy.clone(),
@@ -117,15 +117,20 @@ impl Checkpoint {
             None => None,
             Some(g) => {
                 let cells = file.get("cells")?;
-                let complex = Complex::from_simplices(2, cells.len(), file.get::<[u32; 3]>("simplices")?.into_flattened())
-                    .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?;
+                let simplices: Vec<[u32; 3]> = file.get("simplices")?;
+                // Cells that were not grown have no topology.
+                let complex = match simplices.is_empty() {
+                    true => Complex::empty(),
+                    false => Complex::from_simplices(2, cells.len(), simplices.into_flattened())
+                        .ok_or_else(|| file.fail("the cells and their simplices do not belong together"))?,
+                };
                 let GrowthHeader { training, batch, at, lloyd, done } = g;
                 Some(Growth { cells, complex, training, batch, at, lloyd, done })
             }
         };
         let coefficients = match header.coefficients {
             None => None,
-            Some((stored, dropped)) => {
+            Some((stored, dropped, evaluations, looks)) => {
                 let system = System {
                     cell_offsets: file.get("cell_offsets")?,
                     cell_links: file.get("cell_links")?,
@@ -135,7 +140,7 @@ impl Checkpoint {
                     planes: file.get("planes")?,
                     node_source: file.get("node_source")?,
                 };
-                Some(Coefficients { system, mass: file.get("mass")?, stored, dropped })
+                Some(Coefficients { system, mass: file.get("mass")?, stored, dropped, evaluations, looks })
             }
         };
         let pilot = match header.pilot {
@@ -220,9 +225,10 @@ impl Checkpoint {
             return Err("its cells hold numbers that cannot be");
         }
         // Each step rests on the ones before it.
-        let trained = net.growth.is_some() || self.learned.is_some();
-        let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), trained, net.nodes.is_some()];
-        if !steps.is_sorted() || (self.energy.is_some() && self.pilot.is_none() && self.learned.is_none()) {
+        let network = self.key.as_ref().is_none_or(Key::is_network);
+        let grown = net.growth.is_some() || (!network && net.coefficients.is_some());
+        let steps = [self.energy.is_some(), net.solved.is_some(), net.coefficients.is_some(), grown, net.nodes.is_some()];
+        if !steps.is_sorted() || (network && self.energy.is_some() && self.pilot.is_none()) {
             return Err("a step is there without those before it");
         }
         let lit: &[NodeLight] = &net.light;

@@ -1,7 +1,7 @@
 //! Which bake a checkpoint is of: everything that its contents depend on.
 
 use crate::engine::Backend;
-use crate::params::Params;
+use crate::params::{Method, Mode, Params};
 use crate::scene::{Geometry, Scene};
 use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
@@ -47,6 +47,11 @@ impl Key {
         self.params.rays
     }
 
+    /// Whether the bake trains a network of light rays: other methods have no such cells.
+    pub fn is_network(&self) -> bool {
+        self.params.method == Method::Network && self.params.mode == Mode::Flux
+    }
+
     /// What the first difference is, in words; none where the keys agree.
     pub fn difference(&self, now: &Key) -> Option<String> {
         let changed = |what: &str, then: &str, now: &str| Some(format!("{what} was {then} and is {now}"));
@@ -59,13 +64,15 @@ impl Key {
         if self.triangles != now.triangles {
             return Some("the scene's triangles or its objects' names have changed".into());
         }
-        if self.materials != now.materials {
-            return Some("the scene's materials have changed".into());
-        }
         let words = |p: &Params| serde_json::to_value(p).unwrap_or_default();
         let (then, params) = (words(&self.params), words(&now.params));
-        let names = params.as_object()?.keys().find(|&name| then[name] != params[name]);
-        names.and_then(|name| changed(name, &then[name].to_string(), &params[name].to_string()))
+        // What a parameter's default leaves out is in one of both only.
+        let mut names = then.as_object().into_iter().chain(params.as_object()).flat_map(|object| object.keys());
+        if let Some(name) = names.find(|&name| then[name] != params[name]) {
+            return changed(name, &then[name].to_string(), &params[name].to_string());
+        }
+        // After the parameters: the norm is in the materials too.
+        (self.materials != now.materials).then(|| "the scene's materials have changed".into())
     }
 }
 
@@ -84,6 +91,7 @@ fn digest(parts: &[&[u8]]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::params::Norm;
     use crate::scene::{Material, Scene};
 
     #[test]
@@ -105,6 +113,7 @@ mod tests {
         differs(key(1e-6, 0.5, Params::default()), "triangles");
         differs(key(0.0, 0.500001, Params::default()), "materials");
         differs(key(0.0, 0.5, Params { rays: 2048, ..Params::default() }), "rays was 524288 and is 2048");
+        differs(key(0.0, 0.5, Params { norm: Norm::Paper1997, ..Params::default() }), "norm was null and is \"paper1997\"");
         differs(key(0.0, 0.5, Params { cells: Some(99), ..Params::default() }), "cells was null and is 99");
         differs(Key { device: "abacus".into(), ..base.clone() }, "the device was cpu and is abacus");
         differs(Key { raycell: "0.0.0".into(), ..base.clone() }, "version");

@@ -8,6 +8,7 @@ mod assemble;
 mod file;
 mod key;
 
+pub(crate) use assemble::unread;
 pub(crate) use key::Key;
 
 use crate::error::{Error, Result};

@@ -1,6 +1,6 @@
 //! Emitters that shine away from everything.
 
-use super::finding::{Check, Finding, count};
+use super::finding::{Check, Finding, count, faces};
 use super::mesh::Mesh;
 use super::rays::{Dice, Sight};
 use super::tally::{Tally, middle, name};
@@ -31,12 +31,15 @@ pub fn facing_away(mesh: &Mesh) -> (Vec<u32>, Vec<Finding>) {
     for &t in away.iter().flat_map(|(_, tris)| tris) {
         tally.add(mesh.object(t), mesh.face(t), middle(mesh.scene, mesh.face(t)));
     }
+    let [one, many] = faces(mesh.scene);
     let findings = tally.findings(|object, seen| {
         let name = name(mesh.scene, object);
-        let message =
-            format!("object '{name}': {} shining away from everything else in the scene", count(seen.count, "emitting triangle"));
+        let message = format!(
+            "object '{name}': {} shining away from everything else in the scene",
+            count(seen.count, &format!("emitting {one}"))
+        );
         let cure = "flip their normals in the modeller, or turn the lamp round";
-        Finding::new(Check::EmitterFacingAway, name, seen.count as f64, "triangles", message, cure)
+        Finding::new(Check::EmitterFacingAway, name, seen.count as f64, many, message, cure)
     });
     (away.into_iter().map(|(patch, _)| patch).collect(), findings)
 }

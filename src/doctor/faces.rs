@@ -1,6 +1,6 @@
 //! Triangles that a bake drops: those without an area, and those that are there twice.
 
-use super::finding::{Check, Finding, count};
+use super::finding::{Check, Finding, count, faces};
 use super::tally::{Tally, middle, name};
 use crate::scene::{Geometry, Scene};
 
@@ -10,11 +10,12 @@ pub fn degenerate(scene: &Scene, geometry: &Geometry) -> Vec<Finding> {
     for &face in &geometry.degenerate {
         tally.add(scene.faces[face as usize].object, face, middle(scene, face));
     }
+    let [one, many] = faces(scene);
     tally.findings(|object, seen| {
         let name = name(scene, object);
-        let message = format!("object '{name}': {} without an area, left out", count(seen.count, "triangle"));
+        let message = format!("object '{name}': {} without an area, left out", count(seen.count, one));
         let cure = "delete them, or merge their vertices, in the modeller";
-        Finding::new(Check::Degenerate, name, seen.count as f64, "triangles", message, cure)
+        Finding::new(Check::Degenerate, name, seen.count as f64, many, message, cure)
     })
 }
 
@@ -25,12 +26,13 @@ pub fn duplicate(scene: &Scene, geometry: &Geometry) -> Vec<Finding> {
     for &[face, first] in &geometry.duplicate {
         tally.add([object(face), object(first)], face, middle(scene, face));
     }
+    let [one, many] = faces(scene);
     tally.findings(|[object, first], seen| {
         let (name, of) = (name(scene, object), name(scene, first));
         let twice = if object == first { String::new() } else { format!(" of object '{of}'") };
-        let message = format!("object '{name}': {}{twice} repeated, left out", count(seen.count, "triangle"));
+        let message = format!("object '{name}': {}{twice} repeated, left out", count(seen.count, one));
         let cure = "delete the copy in the modeller";
-        let finding = Finding::new(Check::Duplicate, name, seen.count as f64, "triangles", message, cure);
+        let finding = Finding::new(Check::Duplicate, name, seen.count as f64, many, message, cure);
         Finding { other: (object != first).then(|| of.into()), ..finding }
     })
 }

@@ -1,5 +1,6 @@
 //! What the doctor says: one fault of one object, with a number, a place and the cure.
 
+use crate::scene::Scene;
 use serde::Serialize;
 
 /// What was looked for. The names are stable, in kebab case: scripts may rely on them.
@@ -127,6 +128,11 @@ impl std::fmt::Display for Finding {
         }
         write!(f, "; {}", self.cure)
     }
+}
+
+/// What a scene is made of, one of them and several.
+pub(super) fn faces(scene: &Scene) -> [&'static str; 2] {
+    if scene.is_flatland() { ["segment", "segments"] } else { ["triangle", "triangles"] }
 }
 
 /// "1 triangle", "2 triangles".

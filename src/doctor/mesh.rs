@@ -49,7 +49,7 @@ pub struct Mesh<'a> {
 impl<'a> Mesh<'a> {
     pub fn new(scene: &'a Scene, geometry: &'a Geometry) -> Mesh<'a> {
         let (vertices, corners) = weld(geometry);
-        let mirror = mirrors(&corners);
+        let mirror = mirrors(geometry.flatland, &corners);
         let (meetings, border) = edges(&corners, &mirror);
         let mut groups = Groups::new(corners.len());
         for m in meetings.iter().filter(|m| m.agree) {
@@ -139,13 +139,14 @@ fn weld(geometry: &Geometry) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (vertices, corners)
 }
 
-/// Finds triangles with the same corners in opposite order.
-fn mirrors(corners: &[[u32; 3]]) -> Vec<u32> {
+/// Finds triangles, or segments, with the same corners in opposite order.
+fn mirrors(flatland: bool, corners: &[[u32; 3]]) -> Vec<u32> {
     let mut sorted: Vec<([u32; 3], u32)> = corners
         .iter()
         .enumerate()
         .map(|(t, c)| {
-            let mut key = *c;
+            // Of a segment's three corners two are one: its order must not tell the key.
+            let mut key = if flatland { [c[0], c[1], 0] } else { *c };
             key.sort_unstable();
             (key, t as u32)
         })
@@ -153,7 +154,7 @@ fn mirrors(corners: &[[u32; 3]]) -> Vec<u32> {
     sorted.par_sort_unstable();
     let even = |t: u32| {
         let [a, b, c] = corners[t as usize];
-        (a < b) ^ (b < c) ^ (a < c)
+        if flatland { a < b } else { (a < b) ^ (b < c) ^ (a < c) }
     };
     let mut mirror = vec![NONE; corners.len()];
     for pair in sorted.windows(2) {

@@ -54,8 +54,11 @@ pub fn name(scene: &Scene, object: u32) -> &str {
     scene.objects.get(object as usize).map_or(&scene.name, |name| name)
 }
 
-/// The middle of a triangle, world.
+/// The middle of a triangle or segment, world.
 pub fn middle(scene: &Scene, face: u32) -> [f64; 3] {
     let c = scene.corners(face as usize);
+    if scene.is_flatland() {
+        return [0, 1, 2].map(|k| 0.5 * (c[0][k] + c[1][k]));
+    }
     [0, 1, 2].map(|k| (c[0][k] + c[1][k] + c[2][k]) / 3.0)
 }

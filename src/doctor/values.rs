@@ -1,6 +1,6 @@
 //! Materials and sizes: what can be judged by numbers alone.
 
-use super::finding::{Check, Finding, Severity, metres};
+use super::finding::{Check, Finding, Severity, faces, metres};
 use super::tally::name;
 use crate::error::Error;
 use crate::scene::{Geometry, Scene};
@@ -76,8 +76,11 @@ pub fn far(scene: &Scene, geometry: &Geometry) -> Option<Finding> {
 /// A scene in which nothing shines.
 pub fn no_emitter(scene: &Scene, geometry: &Geometry) -> Option<Finding> {
     geometry.emitters.is_empty().then(|| {
-        let message = format!("{}: 0 of {} triangles emit, all will be black", scene.name, geometry.tris.len());
-        let cure = "give the lamp's material an emission: Ke in the .mtl, W/m2/sr, as `Ke 10 10 10`";
+        let message = format!("{}: 0 of {} {} emit, all will be black", scene.name, geometry.tris.len(), faces(scene)[1]);
+        let cure = match scene.is_flatland() {
+            false => "give the lamp's material an emission: Ke in the .mtl, W/m2/sr, as `Ke 10 10 10`",
+            true => "give the lamp's material an emission, W/m, as `radiosity = 1`",
+        };
         Finding::new(Check::NoEmitter, &scene.name, 0.0, "emitters", message, cure)
     })
 }

@@ -4,7 +4,7 @@
 //! volumes tells them apart; light does: what it meets from behind is wrong. Where no light comes, the
 //! smaller part of an object that disagrees with its neighbours along their edges is.
 
-use super::finding::{Check, Finding, count};
+use super::finding::{Check, Finding, count, faces};
 use super::light::Met;
 use super::mesh::Mesh;
 use super::tally::{Tally, middle, name};
@@ -55,11 +55,11 @@ pub fn flipped(mesh: &Mesh, wrong: &[bool]) -> Vec<Finding> {
     for t in (0..mesh.corners.len() as u32).filter(|&t| wrong[mesh.patch[t as usize] as usize]) {
         tally.add(mesh.object(t), mesh.face(t), middle(mesh.scene, mesh.face(t)));
     }
+    let [one, many] = faces(mesh.scene);
     tally.findings(|object, seen| {
         let name = name(mesh.scene, object);
-        let message =
-            format!("object '{name}': {} with the back to the light or to their neighbours", count(seen.count, "triangle"));
+        let message = format!("object '{name}': {} with the back to the light or to their neighbours", count(seen.count, one));
         let cure = "flip their normals in the modeller, or bake with --two-sided";
-        Finding::new(Check::Flipped, name, seen.count as f64, "triangles", message, cure)
+        Finding::new(Check::Flipped, name, seen.count as f64, many, message, cure)
     })
 }

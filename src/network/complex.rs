@@ -17,6 +17,11 @@ impl Complex {
         Complex { corners: k + 1, simplices: (0..=k as u32).collect(), of_cell: vec![vec![0]; k + 1] }
     }
 
+    /// No simplex at all: the complex of cells that were not grown.
+    pub fn empty() -> Complex {
+        Complex { corners: 3, simplices: Vec::new(), of_cell: Vec::new() }
+    }
+
     /// The complex of dimension `k` that [`Complex::simplices`] of `cells` cells described. None where a simplex
     /// repeats a cell or names one that is not there, or a cell is in no simplex.
     pub fn from_simplices(k: usize, cells: usize, simplices: Vec<u32>) -> Option<Complex> {

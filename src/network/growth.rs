@@ -4,6 +4,7 @@ use super::complex::Complex;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{CellSums, FEATURE_DIM};
+use crate::twin::math::seed_of;
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 
@@ -72,6 +73,22 @@ impl Growth {
             cells.push(f);
         }
         Growth { cells, complex: Complex::simplex(2), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: false }
+    }
+
+    /// Rays drawn at random for cells, `count` of them where there are so many that count both ways; nothing is
+    /// trained, and the complex is empty. What growth is held against.
+    pub fn random<E: Engine>(engine: &mut E, batches: &[E::Batch], lengths: &[usize], count: usize, seed: u32) -> Result<Growth> {
+        let mut sample = Vec::new();
+        for (batch, &length) in batches.iter().zip(lengths) {
+            sample.extend(engine.features(batch, 0..length)?.into_iter().filter(|f| f.iter().any(|&x| x != 0.0)));
+        }
+        // One from each of so many equal shares of the sequence.
+        let place = |c: usize| {
+            let (first, end) = (c * sample.len() / count, (c + 1) * sample.len() / count);
+            first + seed_of(seed, c as u32) as usize % (end - first).max(1)
+        };
+        let cells = (0..count.min(sample.len())).map(|c| sample[place(c)]).collect();
+        Ok(Growth { cells, complex: Complex::empty(), training: Training::default(), batch: 0, at: 0, lloyd: 0, done: true })
     }
 
     /// An epoch on the way to `target` cells: shows the cells their share of the features of `batches`, which hold

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 /// Cells inserted in an epoch, as a share of those there are.
 const GROWTH: f64 = 0.25;
 /// Share of the evaluations that are spent while the network grows.
-const GROWING: f64 = 0.6;
+const GROWING: f64 = 0.7;
 /// Epochs after the last insertion, in which centres settle.
 const SETTLING: u64 = 4;
 /// Evaluations of an epoch, at least.
@@ -28,7 +28,9 @@ const CANDIDATES: usize = 65_536;
 /// Acceptance of inputs, at least: what keeps their weights below 1 over this.
 const LEAST_ACCEPTANCE: f64 = 0.1;
 /// Root mean squared error, in units of the whole network's, at which every input is taken.
-const FULL_ACCEPTANCE: f64 = 2.0;
+const FULL_ACCEPTANCE: f64 = 4.0;
+/// Share of the mean activation that damps the delta rule: cells that answer nowhere to speak of do not drift.
+const DAMPING: f64 = 0.05;
 /// Cells that won fewer inputs than this share of the mean are starved.
 const STARVED: f64 = 0.05;
 /// Widths are at least this share of the largest one (hard case F01).
@@ -104,7 +106,7 @@ impl Default for Settings {
             eps_n: 0.006,
             eta: 0.1,
             decay: 0.5,
-            sweeps: 16,
+            sweeps: 64,
             fit: Fit::Delta,
             output: Output::Gauss,
             deletion: true,
@@ -175,9 +177,6 @@ pub struct Supervised {
     settled: u64,
 }
 
-pub fn tune(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().map_or(default, |v| v.parse().unwrap())
-}
 fn distance(a: &Feature, b: &Feature) -> f32 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f32>().sqrt()
 }
@@ -230,11 +229,10 @@ impl Supervised {
         let spent = samples.places.len() as u64;
         let left = settings.evaluations.saturating_sub(spent);
         let growing = self.cells.len() < settings.cells && self.idle < STUCK && left > 0;
-        let more = ((tune("GROWTH", GROWTH) * self.cells.len() as f64).ceil() as usize)
-            .min(settings.cells.saturating_sub(self.cells.len()));
+        let more = ((GROWTH * self.cells.len() as f64).ceil() as usize).min(settings.cells.saturating_sub(self.cells.len()));
         let want = if growing {
             // What is left of the growth's share, by what is left to grow.
-            let budget = (tune("GROWING", GROWING) * settings.evaluations as f64 - spent as f64).max(0.0);
+            let budget = (GROWING * settings.evaluations as f64 - spent as f64).max(0.0);
             let part = more as f64 / (settings.cells - self.cells.len()) as f64;
             ((budget * part).ceil() as u64).max(LEAST_BATCH).min(left)
         } else {
@@ -306,7 +304,7 @@ impl Supervised {
         }
         let mean = error / share;
         let chance = |(&r, &s): (&f64, &f64)| match s > 0.0 {
-            true => ((r / s / mean).sqrt() / tune("FULL", FULL_ACCEPTANCE)).clamp(tune("LEAST", LEAST_ACCEPTANCE), 1.0),
+            true => ((r / s / mean).sqrt() / FULL_ACCEPTANCE).clamp(LEAST_ACCEPTANCE, 1.0),
             // Nothing is known of a cell without inputs.
             false => 1.0,
         };
@@ -326,11 +324,11 @@ impl Supervised {
 
     /// Delta rule: outputs move by their activation-weighted mean error.
     fn teach(&mut self, sums: &[ResponseSums], eta: f64) {
-        for (output, s) in self.outputs.iter_mut().zip(sums) {
-            let activation = s.activation.value(FEATURE_UNIT);
-            if activation > 0.0 {
-                output.value += ((1.0 - (-eta * activation).exp()) * s.gain.value(FEATURE_UNIT) / activation) as f32;
-            }
+        let activation = |s: &ResponseSums| s.activation.value(FEATURE_UNIT);
+        let damping = DAMPING * sums.iter().map(activation).sum::<f64>() / sums.len() as f64;
+        for (output, s) in self.outputs.iter_mut().zip(sums).filter(|(_, s)| activation(s) > 0.0) {
+            let step = 1.0 - (-eta * activation(s)).exp();
+            output.value += (step * s.gain.value(FEATURE_UNIT) / (activation(s) + damping)) as f32;
         }
     }
 
@@ -377,7 +375,7 @@ impl Supervised {
         let widths: Vec<f32> = (0..self.cells.len() as u32).map(|c| self.mean_edge(c)).collect();
         let least = LEAST_WIDTH * widths.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
         for (output, w) in self.outputs.iter_mut().zip(widths) {
-            output.width = tune("WIDTH", 1.0) as f32 * w.max(least);
+            output.width = w.max(least);
         }
     }
 
@@ -442,7 +440,7 @@ impl Supervised {
 
     /// Deletes cells that win too few inputs.
     fn delete_starved(&mut self) {
-        let least = tune("STARVED", STARVED) * self.wins.iter().sum::<f64>() / self.wins.len() as f64;
+        let least = STARVED * self.wins.iter().sum::<f64>() / self.wins.len() as f64;
         let doomed: Vec<bool> = self.wins.iter().map(|&w| w < least).collect();
         if !doomed.contains(&true) {
             return;
@@ -470,11 +468,7 @@ impl Supervised {
             self.least_squares(settings, samples);
         }
         let (offsets, neighbours) = self.complex.adjacency();
-        let sweeps = if settings.fit == Fit::Delta && settings.output == Output::Gauss {
-            tune("SWEEPS", settings.sweeps as f64) as u32
-        } else {
-            0
-        };
+        let sweeps = if settings.fit == Fit::Delta && settings.output == Output::Gauss { settings.sweeps } else { 0 };
         for sweep in 0..=sweeps {
             let sums = machine.respond(self.net(settings, &offsets, &neighbours), &samples.inputs, &mut samples.values)?;
             if sweep < sweeps {
@@ -511,7 +505,7 @@ impl Supervised {
                 }
                 right[a] = mean(&|i| off(i, a) * (samples.values[i].goal as f64 - value));
             }
-            let ridge = tune("RIDGE", RIDGE) * (0..dims).map(|k| matrix[k][k]).sum::<f64>() / dims.max(1) as f64;
+            let ridge = RIDGE * (0..dims).map(|k| matrix[k][k]).sum::<f64>() / dims.max(1) as f64;
             (0..dims).for_each(|k| matrix[k][k] += ridge);
             let slope = if ridge > 0.0 { solve(matrix, right) } else { vec![0.0; dims] };
             let output = &mut self.outputs[c];

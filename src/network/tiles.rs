@@ -67,7 +67,8 @@ pub fn distribution(geometry: &Geometry, density: &[f64]) -> Vec<Tile> {
 }
 
 /// Node density of each tile: .2 + .8 g^(2/3), g = <rho B / d^2> from the pilot's rays. Slots, and walls
-/// beside lights, where irradiance changes over short distances, get more nodes.
+/// beside lights, where irradiance changes over short distances, get more nodes. In flatland .2 + .8 g^(1/3): the
+/// distance between nodes goes as g^(-1/3) in both.
 pub fn node_density<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
@@ -106,7 +107,8 @@ pub fn node_density<E: Engine>(
         bin.0 += g[t];
         bin.1 += geometry.tile_area(t);
     }
-    let sharp: Vec<f64> = keys.iter().map(|k| (bins[k].0 / bins[k].1).powf(2.0 / 3.0)).collect();
+    let power = if geometry.flatland { 1.0 / 3.0 } else { 2.0 / 3.0 };
+    let sharp: Vec<f64> = keys.iter().map(|k| (bins[k].0 / bins[k].1).powf(power)).collect();
     let live: f64 = (0..sharp.len())
         .filter(|&t| geometry.is_live(geometry.tile_tri[t] as usize))
         .map(|t| sharp[t] * geometry.tile_area(t))

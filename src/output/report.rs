@@ -15,6 +15,9 @@ pub struct Report {
     pub scene: SceneReport,
     /// What it ran on; null for the plain-Rust twin.
     pub adapter: Option<AdapterReport>,
+    /// network, fem, hierarchical or rays.
+    #[serde(default)]
+    pub method: String,
     /// Seed of every random sequence.
     pub seed: u32,
     /// All parameters as used.
@@ -25,9 +28,12 @@ pub struct Report {
     pub cells: u64,
     /// Nodes of the surface network.
     pub nodes: u64,
-    /// Stored gather and deposit coefficients.
+    /// Stored coefficients: a network's gather and deposit slots, form factors, links, or directed rays.
     pub coefficients: u64,
-    /// Light rays of the full network.
+    /// Evaluations of the kernel G V that the coefficients took; a network and its rays take none.
+    #[serde(default)]
+    pub kernel_evaluations: u64,
+    /// Light rays of the full network; of a method with patches, the rays that look around on them.
     pub rays: u64,
     /// Wall time a stage.
     pub seconds: Seconds,
@@ -122,7 +128,7 @@ pub struct Memory {
 /// The solve of a [`Report`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverReport {
-    /// jacobi.
+    /// jacobi or gauss-seidel.
     pub method: String,
     /// Sweeps made.
     pub sweeps: u64,
@@ -173,7 +179,7 @@ mod tests {
         let mut report = Report::default();
         report.extra.insert("pilot".into(), 1.into());
         let json = serde_json::to_value(&report).unwrap();
-        let keys = "scene.path scene.triangles scene.dropped adapter seed params effects cells nodes coefficients rays \
+        let keys = "scene.path scene.triangles scene.dropped adapter method seed params effects cells nodes coefficients kernel_evaluations rays \
             seconds.load seconds.bvh seconds.train seconds.coefficients seconds.solve seconds.direct seconds.readout \
             seconds.total memory_bytes.host memory_bytes.device solver.method solver.sweeps solver.residual \
             solver.error_bound partial reached energy.emitted energy.absorbed energy.escaped energy.imbalance estimated_error warnings pilot";

@@ -13,8 +13,8 @@ pub struct Params {
     pub base: u32,
     /// Items in the dispatch.
     pub count: u32,
-    /// 1: H is known at every point.
-    pub lit: u32,
+    /// Bit 0: H is known at every point; bit 1: D is, and emitter ends send rho D, not E.
+    pub known: u32,
     /// What weights are multiplied by.
     pub normalise: f32,
 }
@@ -31,20 +31,22 @@ pub fn deposit(
     surface: &SurfaceBuffers,
     points: &GpuVec<Point>,
     psi: &GpuVec<Psi>,
-    direct: &GpuVec<DirectSum>,
+    direct: Option<&GpuVec<DirectSum>>,
     light: Option<&GpuVec<[f32; 4]>>,
     normalise: f32,
     sums: &GpuVec<NodeSource>,
 ) -> Result<()> {
     let dark = gpu.alloc("no light", 0)?;
-    let params = Params { lit: light.is_some() as u32, normalise, ..Params::default() };
+    let none = gpu.alloc("no direct light", 0)?;
+    let known = light.is_some() as u32 | (direct.is_some() as u32) << 1;
+    let params = Params { known, normalise, ..Params::default() };
     let buffers = [
         points.buffer(),
         psi.buffer(),
         surface.nodes.buffer(),
         scene.tris.buffer(),
         scene.materials.buffer(),
-        direct.buffer(),
+        direct.unwrap_or(&none).buffer(),
         light.unwrap_or(&dark).buffer(),
         sums.buffer(),
     ];

@@ -266,11 +266,11 @@ impl Engine for GpuEngine<'_> {
         Ok(sums)
     }
 
-    fn deposit(&mut self, batches: &[GpuBatch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
+    fn deposit(&mut self, batches: &[GpuBatch], exact: bool, lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
         let sums = self.gpu.alloc("known light", self.surface.nodes.len())?;
         for b in batches {
-            let light = lit.then_some(&b.irradiance);
-            super::deposit::deposit(self.gpu, &self.scene, &self.surface, &b.points, &b.psi, &b.direct, light, normalise, &sums)?;
+            let (direct, light) = (exact.then_some(&b.direct), lit.then_some(&b.irradiance));
+            super::deposit::deposit(self.gpu, &self.scene, &self.surface, &b.points, &b.psi, direct, light, normalise, &sums)?;
         }
         self.fetch(&sums)
     }

@@ -15,8 +15,12 @@ pub struct Coefficients {
     pub system: System,
     /// Mass m_j of each node, as a share of all rays' weight; slots beyond the cap count.
     pub mass: Vec<f64>,
-    /// Gather and deposit slots kept.
+    /// Gather and deposit slots kept; of other methods than the network, their coefficients.
     pub stored: u64,
+    /// Evaluations of the kernel that they took; a network takes none.
+    pub evaluations: u64,
+    /// Rays that look around on patches; a network has none.
+    pub looks: u64,
     /// Share of the gather and deposit mass in slots beyond the cap.
     pub dropped: f64,
 }

@@ -1,112 +1,294 @@
-//! A learned kernel as links: a cell stands for the light between its two ends, as much of it as its part of the
-//! pairs' measure times its value, spread around both ends as wide as the inputs lie that it wins.
+//! Links between patches of a hierarchy (Hanrahan, Salzman, Aupperle, "A Rapid Hierarchical Radiosity Algorithm", 1991):
+//! a pair of patches exchanges light as a whole where that costs little, else the larger one is divided.
 
-use super::coefficients::Coefficients;
-use super::ends::Ends;
+use super::exchange::{close, evaluations, facing, open, places};
+use super::patches::{Mesh, Patch};
+use super::sampled::{POINTS, points_on};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Link, NONE, Node, Point};
-use crate::network::nodes::sample_points;
-use crate::network::pairs::{PairMetric, end, node_end};
-use crate::network::supervised::{Samples, Settings, Supervised};
+use crate::layout::{NONE, NodeLight, Point};
+use crate::progress::Progress;
 use crate::scene::Geometry;
-use crate::twin::winner::Feature;
-use std::collections::BTreeMap;
+use crate::twin::math::{kernel_g, seed_of};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-/// Surface points a node that tell its area.
-const POINTS_PER_NODE: usize = 64;
-/// Footprints end where they have fallen to exp of minus this.
-const REACH: f32 = 6.0;
+/// Patches that the hierarchy grows from.
+const ROOTS: u32 = 48;
+/// Kernel evaluations that decide whether a pair is divided.
+const TRIALS: u32 = 4;
+/// Links a patch: a pair is divided while it carries more than one share in `patches` times this of all light.
+const LINKS: f64 = 200.0;
+/// Patches smaller than one share in `patches` times this of the area are not divided.
+const FINEST: f64 = 4.0;
+/// What a trial's light counts where all of its rays are blocked: some of the rest may get through.
+const BLOCKED: f64 = 0.25;
+/// Pairs in flight.
+const FLIGHT: usize = 1 << 16;
 
-/// Where an end of a pair lies in an input.
-const EMITTER: usize = 0;
-const RECEIVER: usize = 6;
-
-/// The part of each place in a footprint of Gaussian shape about an end of a cell, summing to 1: places, each with an
-/// area. Of none in reach the nearest has all.
-fn footprint(cell: &Feature, at: usize, variance: f32, places: &[[f32; 6]], areas: &[f64]) -> Vec<(u32, f64)> {
-    let exponents: Vec<f32> = places
-        .iter()
-        .map(|p| (0..6).map(|k| (p[k] - cell[at + k]) * (p[k] - cell[at + k])).sum::<f32>() / (2.0 * variance))
-        .collect();
-    let least = exponents.iter().copied().fold(f32::MAX, f32::min);
-    let near = exponents.iter().enumerate().filter(|(_, e)| **e - least < REACH);
-    let mut out: Vec<(u32, f64)> = near.map(|(i, e)| (i as u32, areas[i] * ((least - e) as f64).exp())).collect();
-    let sum: f64 = out.iter().map(|x| x.1).sum();
-    out.iter_mut().for_each(|x| x.1 /= sum.max(f64::MIN_POSITIVE));
-    out
+/// The hierarchy and its links.
+#[derive(Clone, Debug, Default)]
+pub struct Links {
+    /// All patches, each before its parts.
+    patches: Vec<Patch>,
+    /// First part of each and how many there are; 0 of a leaf.
+    parts: Vec<(u32, u32)>,
+    /// The patch that each is a part of, [`NONE`] of roots.
+    whole: Vec<u32>,
+    /// Leaves in order.
+    leaves: Vec<u32>,
+    /// Start of each patch's links; one more entry than patches.
+    offsets: Vec<usize>,
+    /// The patch that sends, and the form factor.
+    links: Vec<(u32, f32)>,
+    /// What brings the form factors that a leaf meets on its way from the root to the visible share of its view.
+    factor: Vec<f64>,
+    /// Evaluations of the kernel.
+    pub evaluations: u64,
 }
 
-/// Reads every cell as a link between the quadrature points `ends`, of area `weights`, and the nodes. The surface that
-/// `ends` was looked up in must be set on the engine.
-pub fn build<E: Engine>(
-    engine: &mut E,
-    geometry: &Geometry,
-    net: &Supervised,
-    settings: &Settings,
-    metric: PairMetric,
-    nodes: &[Node],
-    samples: &Samples<[Point; 2]>,
-    (ends, weights): (&Ends, &[f32]),
-    visible: Option<&[f64]>,
+/// Patches while they are being linked.
+struct Growing<'a> {
+    geometry: &'a Geometry,
+    mesh: &'a Mesh,
     seed: u32,
-) -> Result<Coefficients> {
-    // The nodes' areas.
-    let live = |t: usize| geometry.is_live(geometry.tile_tri[t] as usize);
-    let shares: Vec<f64> = (0..geometry.tiles as usize).map(|t| if live(t) { geometry.tile_area(t) } else { 0.0 }).collect();
-    let points = sample_points(geometry, &shares, (POINTS_PER_NODE * nodes.len().max(1)) as u32, seed);
-    let mut batch = engine.upload(&points)?;
-    engine.assign(&mut batch)?;
-    let mut node_areas = vec![0.0; nodes.len()];
-    for psi in engine.psi(&batch)? {
-        for k in (0..4).filter(|&k| psi.weight[k] > 0.0) {
-            node_areas[psi.node[k] as usize] += psi.weight[k] as f64 * geometry.area / points.len() as f64;
+    /// What each tile sends, for all patches to be judged by.
+    carried: &'a [f64],
+    links: Links,
+    points: Vec<Point>,
+    stretch: Vec<f32>,
+    sent: Vec<f64>,
+}
+
+impl Growing<'_> {
+    fn push(&mut self, patch: Patch, whole: u32) {
+        let id = self.links.patches.len() as u32;
+        let chart = &self.mesh.charts[patch.chart as usize];
+        let (mut sum, mut all) = (0.0, 0.0);
+        for (p, stretch) in points_on(self.geometry, chart, &patch.shape, seed_of(self.seed, id)) {
+            sum += self.carried[p.tile as usize] * stretch as f64;
+            all += stretch as f64;
+            self.points.push(p);
+            self.stretch.push(stretch);
         }
+        self.sent.push(sum / all);
+        self.links.patches.push(patch);
+        self.links.parts.push((0, 0));
+        self.links.whole.push(whole);
     }
 
-    // The cells' parts of the pairs' measure, how wide they are, and what they answer.
-    let (mut part, mut spread) = (vec![0.0; net.cells.len()], vec![0.0; net.cells.len()]);
-    for (s, input) in samples.values.iter().zip(&samples.inputs).filter(|(s, _)| s.winner != NONE) {
-        let cell = s.winner as usize;
-        let d: f32 = input.iter().zip(&net.cells[cell]).map(|(a, b)| (a - b) * (a - b)).sum();
-        part[cell] += s.weight as f64;
-        spread[cell] += (s.weight * d) as f64;
+    /// The parts of a patch, divided now where it was not yet.
+    fn parts(&mut self, p: u32) -> std::ops::Range<u32> {
+        if self.links.parts[p as usize].1 == 0 {
+            let first = self.links.patches.len() as u32;
+            let Patch { chart, shape, .. } = self.links.patches[p as usize];
+            let parts = shape.cut(if shape.sides == 2 { [2, 1] } else { [2, 2] });
+            self.links.parts[p as usize] = (first, parts.len() as u32);
+            for shape in parts {
+                self.push(Patch { chart, shape, area: shape.area() }, p);
+            }
+        }
+        let (first, count) = self.links.parts[p as usize];
+        first..first + count
     }
-    let answers = net.answer(engine, settings, &net.cells)?;
-    let directions = if geometry.flatland { 2.0 } else { 4.0 };
 
-    // Spread every cell around both its ends.
-    let place = |e: ([f32; 3], [f32; 3])| {
-        let f = metric.input(e, e);
-        [f[0], f[1], f[2], f[3], f[4], f[5]]
-    };
-    let senders: Vec<[f32; 6]> = ends.points.iter().map(|p| place(end(geometry, p))).collect();
-    let receivers: Vec<[f32; 6]> = nodes.iter().map(|n| place(node_end(n))).collect();
-    let sender_areas: Vec<f64> = weights.iter().map(|&w| w as f64).collect();
-    let mut links = Ends::default();
-    let mut rows = vec![Vec::new(); nodes.len()];
-    for c in (0..net.cells.len()).filter(|&c| part[c] > 0.0) {
-        let variance = ((spread[c] / part[c] / directions) as f32).max(f32::MIN_POSITIVE);
-        let pairs = part[c] * geometry.area * geometry.area / samples.drawn as f64;
-        let flux = pairs * answers[c].clamp(0.0, 1.0) as f64 * metric.clamp as f64;
-        if flux <= 0.0 {
-            continue;
-        }
-        let (mut gather, mut sent) = (BTreeMap::<u32, f64>::new(), [0.0f32; 4]);
-        for (q, share) in footprint(&net.cells[c], EMITTER, variance, &senders, &sender_areas) {
-            for l in &ends.gather[q as usize] {
-                *gather.entry(l.other).or_default() += share * l.value as f64;
-            }
-            for k in 0..3 {
-                sent[k] += share as f32 * ends.sent[q as usize][k];
-            }
-        }
-        for (j, share) in footprint(&net.cells[c], RECEIVER, variance, &receivers, &node_areas) {
-            let value = (share * flux / node_areas[j as usize].max(f64::MIN_POSITIVE)) as f32;
-            rows[j as usize].push(Link { other: links.gather.len() as u32, value, ..Link::default() });
-        }
-        links.gather.push(gather.into_iter().map(|(i, v)| Link { other: i, value: v as f32, ..Link::default() }).collect());
-        links.sent.push(sent);
+    /// The pairs of points of `n` evaluations.
+    fn pairs(&self, x: u32, y: u32, n: u32) -> impl Iterator<Item = (usize, usize)> + use<> {
+        places(x, y, n).map(move |(a, b)| (x as usize * POINTS + a, y as usize * POINTS + b))
     }
-    Ok(links.system(nodes, rows, visible, net.stored(settings)))
+
+    /// Evaluates the kernel on pairs: the values of each, weighted by how much its points stand for.
+    fn evaluate<E: Engine>(
+        &mut self,
+        engine: &mut E,
+        pairs: &[(u32, u32)],
+        n: impl Fn(&Patch, &Patch) -> u32,
+    ) -> Result<Vec<Vec<f64>>> {
+        let (mut points, mut weights, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+        for &(x, y) in pairs {
+            let n = n(&self.links.patches[x as usize], &self.links.patches[y as usize]);
+            for (a, b) in self.pairs(x, y, n) {
+                points.extend([self.points[a], self.points[b]]);
+                weights.push(self.stretch[a] as f64 * self.stretch[b] as f64);
+            }
+            counts.push(n as usize);
+        }
+        self.links.evaluations += weights.len() as u64;
+        let values = engine.kernel(&points)?;
+        let mut all = values.iter().zip(&weights).map(|(&v, w)| v as f64 * w);
+        Ok(counts.into_iter().map(|n| all.by_ref().take(n).collect()).collect())
+    }
+
+    /// The mean of G alone over the trials of a pair.
+    fn unblocked(&self, x: u32, y: u32) -> f64 {
+        let g = |(a, b): (usize, usize)| {
+            let (p, q) = (&self.points[a], &self.points[b]);
+            let n = |p: &Point| Vec3::from(self.geometry.tris[p.tri as usize].normal);
+            kernel_g(self.geometry.flatland, p.p.into(), n(p), q.p.into(), n(q)) as f64
+        };
+        self.pairs(x, y, TRIALS).map(g).sum::<f64>() / TRIALS as f64
+    }
+}
+
+impl Links {
+    /// Links about `patches` leaves. `carried` holds what each tile sends, as a pilot has found it.
+    pub fn new<E: Engine>(
+        engine: &mut E,
+        geometry: &Geometry,
+        mesh: &Mesh,
+        carried: &[f64],
+        patches: u32,
+        seed: u32,
+        progress: &mut Progress,
+    ) -> Result<Links> {
+        let mut g = Growing {
+            geometry,
+            mesh,
+            seed,
+            carried,
+            links: Links::default(),
+            points: Vec::new(),
+            stretch: Vec::new(),
+            sent: Vec::new(),
+        };
+        mesh.patches.iter().for_each(|p| g.push(*p, NONE));
+        let area: f64 = mesh.patches.iter().map(|p| p.area).sum();
+        let all: f64 = mesh.patches.iter().zip(&g.sent).map(|(p, b)| p.area * b).sum();
+        let (most, least) = (all / (patches as f64 * LINKS), area / (patches as f64 * FINEST));
+
+        let roots = mesh.patches.len() as u32;
+        let mut frontier: Vec<(u32, u32)> = (0..roots).flat_map(|x| (x + 1..roots).map(move |y| (x, y))).collect();
+        frontier.retain(|&(x, y)| facing(geometry, mesh, &mesh.patches[x as usize], &mesh.patches[y as usize]));
+        let mut kept = Vec::new();
+        while !frontier.is_empty() {
+            let mut next = Vec::new();
+            for chunk in frontier.chunks(FLIGHT) {
+                let trials = g.evaluate(engine, chunk, |_, _| TRIALS)?;
+                for (&(x, y), values) in chunk.iter().zip(trials) {
+                    let [p, q] = [x, y].map(|i| g.links.patches[i as usize]);
+                    let mean = values.iter().sum::<f64>() / TRIALS as f64;
+                    let (low, high) = values.iter().fold((f64::MAX, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
+                    let doubt = if mean > 0.0 { mean + (high - low) } else { BLOCKED * g.unblocked(x, y) };
+                    let light = p.area * q.area * g.sent[x as usize].max(g.sent[y as usize]) * doubt;
+                    let (larger, other) = if p.area >= q.area { (x, y) } else { (y, x) };
+                    if light > most && p.area.max(q.area) > least {
+                        for part in g.parts(larger) {
+                            if facing(geometry, mesh, &g.links.patches[part as usize], &g.links.patches[other as usize]) {
+                                next.push((part.min(other), part.max(other)));
+                            }
+                        }
+                    } else if mean > 0.0 {
+                        kept.push((x, y, mean));
+                    }
+                }
+                progress.tick()?;
+            }
+            frontier = next;
+        }
+        g.settle(engine, kept, progress)
+    }
+
+    /// Scales what each leaf gets to the visible share of its view.
+    pub fn calibrate(&mut self, visible: &[f64]) {
+        let mut met = vec![0.0; self.patches.len()];
+        for p in 0..self.patches.len() {
+            let above = if self.whole[p] == NONE { 0.0 } else { met[self.whole[p] as usize] };
+            met[p] = above + self.row(p).map(|&(_, f)| f as f64).sum::<f64>();
+        }
+        let scale = |(&leaf, &v): (&u32, &f64)| if met[leaf as usize] > 0.0 { v / met[leaf as usize] } else { 0.0 };
+        self.factor = self.leaves.iter().zip(visible).map(scale).collect();
+    }
+
+    /// The leaves.
+    pub fn leaf_patches(&self) -> Vec<Patch> {
+        self.leaves.iter().map(|&p| self.patches[p as usize]).collect()
+    }
+
+    /// Links, both ways.
+    pub fn stored(&self) -> u64 {
+        self.links.len() as u64
+    }
+
+    fn row(&self, p: usize) -> std::slice::Iter<'_, (u32, f32)> {
+        self.links[self.offsets[p]..self.offsets[p + 1]].iter()
+    }
+
+    /// What arrives at each leaf from what the leaves send; `live` is the share of each leaf that is not covered.
+    pub fn carry(&self, sent: &[DVec3], live: &[f64]) -> Vec<DVec3> {
+        // Pull: what a patch sends is the mean of its parts.
+        let mut mean = vec![(DVec3::ZERO, 0.0); self.patches.len()];
+        for (k, &leaf) in self.leaves.iter().enumerate() {
+            let area = self.patches[leaf as usize].area * live[k];
+            mean[leaf as usize] = (sent[k] * area, area);
+        }
+        for p in (0..self.patches.len()).rev() {
+            let (sum, area) = mean[p];
+            if self.whole[p] != NONE {
+                let whole = &mut mean[self.whole[p] as usize];
+                *whole = (whole.0 + sum, whole.1 + area);
+            }
+        }
+        let sent: Vec<DVec3> = mean.into_iter().map(|(sum, area)| if area > 0.0 { sum / area } else { DVec3::ZERO }).collect();
+        // Gather over the links, and push down to the leaves.
+        let mut h: Vec<DVec3> = (0..self.patches.len())
+            .into_par_iter()
+            .map(|p| self.row(p).map(|&(q, f)| sent[q as usize] * f as f64).sum())
+            .collect();
+        for p in 0..h.len() {
+            if self.whole[p] != NONE {
+                h[p] = h[p] + h[self.whole[p] as usize];
+            }
+        }
+        self.leaves.iter().zip(&self.factor).map(|(&leaf, &f)| h[leaf as usize] * f).collect()
+    }
+
+    /// `sweeps` Jacobi sweeps from a light at the leaves; `own` holds reflectance and own light of each.
+    pub fn jacobi(&self, own: &[(DVec3, DVec3)], live: &[f64], light: &[NodeLight], sweeps: u32) -> Vec<NodeLight> {
+        let mut h = open(light);
+        for _ in 0..sweeps {
+            let sent: Vec<DVec3> = own.iter().zip(&h).map(|((rho, own), h)| *own + *rho * *h).collect();
+            h = self.carry(&sent, live);
+        }
+        close(&h)
+    }
+}
+
+impl Growing<'_> {
+    /// Evaluates the near ones among the links kept more carefully, and sorts all by receiver.
+    fn settle<E: Engine>(mut self, engine: &mut E, kept: Vec<(u32, u32, f64)>, progress: &mut Progress) -> Result<Links> {
+        let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); self.links.patches.len()];
+        for chunk in kept.chunks(FLIGHT / 16) {
+            let near = |x: &Patch, y: &Patch| evaluations(x, y) > TRIALS;
+            let pairs: Vec<(u32, u32)> = (chunk.iter())
+                .filter(|(x, y, _)| near(&self.links.patches[*x as usize], &self.links.patches[*y as usize]))
+                .map(|&(x, y, _)| (x, y))
+                .collect();
+            let mut careful = pairs.iter().zip(self.evaluate(engine, &pairs, evaluations)?).peekable();
+            for &(x, y, trial) in chunk {
+                let mean = match careful.next_if(|(pair, _)| **pair == (x, y)) {
+                    Some((_, values)) => values.iter().sum::<f64>() / values.len() as f64,
+                    None => trial,
+                };
+                let [a, b] = [x, y].map(|i| self.links.patches[i as usize].area);
+                if mean > 0.0 {
+                    rows[x as usize].push((y, (mean * b) as f32));
+                    rows[y as usize].push((x, (mean * a) as f32));
+                }
+            }
+            progress.tick()?;
+        }
+        let links = &mut self.links;
+        links.offsets.push(0);
+        for row in rows {
+            links.links.extend(row);
+            links.offsets.push(links.links.len());
+        }
+        links.leaves = (0..links.patches.len() as u32).filter(|&p| links.parts[p as usize].1 == 0).collect();
+        Ok(self.links)
+    }
+}
+
+/// The patches that a hierarchy over the scene grows from.
+pub fn roots(geometry: &Geometry) -> Mesh {
+    Mesh::new(geometry, ROOTS)
 }

@@ -1,10 +1,13 @@
-//! The Jacobi iteration to a stated distance from its fixed point.
+//! Sweeps of an iteration to a stated distance from its fixed point, or a stated number of them.
 
+use super::gauss_seidel::GaussSeidel;
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::layout::NodeLight;
+use crate::params::{Params, Solver};
 use crate::progress::{Event, Progress};
 use crate::scene::Geometry;
+use crate::twin::jacobi::System;
 use serde::{Deserialize, Serialize};
 
 /// How a solve went.
@@ -24,6 +27,8 @@ pub struct Solved {
 const STUCK: u32 = 32;
 /// Sweeps between looks at the residual.
 const STRIDE: u32 = 8;
+/// Sweeps of a series between two moments at which the caller may stop.
+const SERIES: u32 = 64;
 
 fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
     let (mut change, mut size) = (0.0f64, 0.0f64);
@@ -36,28 +41,73 @@ fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
     (change, size)
 }
 
-/// Solves the system set on the engine, from `start`, until the distance from the fixed point is below
-/// `tolerance` times the largest irradiance. "Small steps" alone are false convergence (hard case
-/// E02): the step is divided by 1 - the measured factor.
-///
-/// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
+/// When an iteration ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Rule {
+    /// Relative distance from the fixed point that is near enough.
+    pub tolerance: f64,
+    /// Most sweeps.
+    pub max_sweeps: u32,
+    /// So many sweeps and no other end: a series that is broken off.
+    pub exactly: Option<u32>,
+}
+
+impl Rule {
+    /// The rule of a bake whose sweeps add `bounces` reflections at most.
+    pub fn new(params: &Params, bounces: Option<u32>) -> Rule {
+        Rule { tolerance: params.tolerance, max_sweeps: params.max_sweeps, exactly: bounces }
+    }
+}
+
+/// Solves a system from darkness with the solver asked for: all reflections, or `bounces` sweeps. Errors: those of
+/// [`iterate`].
 pub fn solve<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
-    start: Vec<NodeLight>,
-    tolerance: f64,
-    max_sweeps: u32,
+    system: &System,
+    params: &Params,
+    bounces: Option<u32>,
     progress: &mut Progress,
     names: &[String],
 ) -> Result<(Vec<NodeLight>, Solved)> {
+    let dark = vec![NodeLight::default(); system.planes.len()];
+    let rule = Rule::new(params, bounces);
+    match params.solver {
+        Solver::Jacobi => {
+            engine.set_system(system)?;
+            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, names)
+        }
+        Solver::GaussSeidel => {
+            let host = GaussSeidel::new(system, &geometry.materials);
+            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, names)
+        }
+    }
+}
+
+/// Sweeps from `start` until the distance from the fixed point is below the rule's tolerance times the largest
+/// irradiance. `sweep` makes so many sweeps from a light. "Small steps" alone are false convergence (hard case
+/// E02): the step is divided by 1 - the measured factor.
+///
+/// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
+pub fn iterate(
+    sweep: &mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>,
+    geometry: &Geometry,
+    start: Vec<NodeLight>,
+    rule: Rule,
+    progress: &mut Progress,
+    names: &[String],
+) -> Result<(Vec<NodeLight>, Solved)> {
+    if let Some(sweeps) = rule.exactly {
+        return series(sweep, start, sweeps, progress);
+    }
     let mut light = start;
     let mut solved = Solved::default();
     let (mut last_change, mut least_change) = (f64::NAN, f64::INFINITY);
     let (mut grew, mut stuck) = (0, 0);
-    while solved.sweeps < max_sweeps {
+    while solved.sweeps < rule.max_sweeps {
         // Sweep, with the last step by itself so that its change can be seen.
-        let before = engine.jacobi(&light, STRIDE - 1)?;
-        light = engine.jacobi(&before, 1)?;
+        let before = sweep(&light, STRIDE - 1)?;
+        light = sweep(&before, 1)?;
         solved.sweeps += STRIDE;
         let (change, size) = norms(&before, &light);
         if !change.is_finite() || !size.is_finite() {
@@ -93,10 +143,33 @@ pub fn solve<E: Engine>(
         solved.error_bound = solved.residual.max(f32::EPSILON as f64) * factor / (1.0 - factor);
         progress.event(Event::Sweep { n: solved.sweeps, residual: solved.error_bound })?;
         if solved.sweeps >= 2 * STRIDE
-            && (solved.error_bound < tolerance || solved.residual <= floor || (stuck >= STUCK && grew == 0))
+            && (solved.error_bound < rule.tolerance || solved.residual <= floor || (stuck >= STUCK && grew == 0))
         {
             break;
         }
+    }
+    Ok((light, solved))
+}
+
+/// A stated number of sweeps.
+fn series(
+    sweep: &mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>,
+    mut light: Vec<NodeLight>,
+    sweeps: u32,
+    progress: &mut Progress,
+) -> Result<(Vec<NodeLight>, Solved)> {
+    let mut solved = Solved::default();
+    while solved.sweeps < sweeps {
+        let now = SERIES.min(sweeps - solved.sweeps);
+        let next = sweep(&light, now)?;
+        let (change, size) = norms(&light, &next);
+        if !change.is_finite() || !size.is_finite() {
+            return Err(Error::NotFinite { what: "the solution".into() });
+        }
+        light = next;
+        solved.sweeps += now;
+        solved.residual = if size > 0.0 { change / size } else { 0.0 };
+        progress.event(Event::Sweep { n: solved.sweeps, residual: solved.residual })?;
     }
     Ok((light, solved))
 }

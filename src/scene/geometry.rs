@@ -381,7 +381,7 @@ fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
 
 /// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
 /// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material, all of them
-/// with a twin or none.
+/// with a twin or none. Segments of flatland too short for that angle are granted their rounding.
 fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
     let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
     let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
@@ -390,6 +390,7 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
             at.entry(key(*v)).or_default().push(i as u32);
         }
     }
+    let flatland = scene.is_flatland();
     let mut plane = vec![NONE; kept.len()];
     let mut pieces = 0;
     let mut stack = Vec::new();
@@ -397,7 +398,7 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
         if plane[i] != NONE {
             continue;
         }
-        let Kept { face, corners, normal, .. } = kept[i];
+        let Kept { face, corners, normal, area } = kept[i];
         let material = scene.faces[face as usize].material;
         let origin = corners[0].map(f64::from);
         plane[i] = pieces;
@@ -406,11 +407,16 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
             for v in kept[t].corners {
                 for &o in &at[&key(v)] {
                     let other = &kept[o as usize];
-                    let level = other.corners.iter().all(|c| dot(sub(c.map(f64::from), origin), normal).abs() < 1e-6);
+                    // Rounding turns a short segment by this angle, and the line that it tells.
+                    let turned = if flatland { 2e-7 / other.area.min(area) } else { 0.0 };
+                    let level = other.corners.iter().all(|c| {
+                        let off = sub(c.map(f64::from), origin);
+                        dot(off, normal).abs() < 1e-6 + turned * dot(off, off).sqrt()
+                    });
                     if plane[o as usize] == NONE
                         && (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
-                        && dot(other.normal, normal) > 1.0 - 1e-8
+                        && dot(other.normal, normal) > 1.0 - 1e-8 - turned * turned
                         && level
                     {
                         plane[o as usize] = pieces;

@@ -12,7 +12,7 @@ use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::layout::{NONE, Node, NodeLight, Point};
 use crate::output::report::Report;
-use crate::params::Params;
+use crate::params::{Method, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::scene::{Geometry, Scene};
@@ -106,6 +106,18 @@ impl Solution {
         &self.surface.nodes
     }
 
+    /// Light of the nodes, scaled W/m².
+    #[doc(hidden)]
+    pub fn light(&self) -> &[NodeLight] {
+        &self.light
+    }
+
+    /// The scene as the passes see it.
+    #[doc(hidden)]
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
     /// Cells of the network: reference rays in feature space.
     #[doc(hidden)]
     pub fn cells(&self) -> &[Feature] {
@@ -123,10 +135,13 @@ impl Solution {
         self.report.partial
     }
 
-    /// Node spacing, local. A partial solution has the nodes of its pilot, or none.
+    /// Node spacing, local. A partial solution has the nodes of its pilot, or none; patches have a node each.
     fn spacing(&self) -> f64 {
-        let nodes =
-            if self.is_partial() { self.surface.nodes.len().max(1) } else { self.params.node_count(0, self.geometry.flatland) };
+        let patches = matches!(self.params.method, Method::Fem | Method::Hierarchical);
+        let nodes = match self.is_partial() || patches {
+            true => self.surface.nodes.len().max(1),
+            false => self.params.node_count(0, self.geometry.flatland),
+        };
         self.geometry.spacing(nodes)
     }
 

@@ -9,14 +9,14 @@ use crate::layout::{DirectSum, NodeSource, Point, Psi, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
 
-/// Sums w psi s over directed rays that count both ways, with s = rho (D + H) at the emitter end.
-/// `light` holds H at every point, or is empty where H is not known yet (0).
+/// Sums w psi s over directed rays that count both ways, with s = rho (D + H) at the emitter end, or E + rho H where
+/// `direct` is `None`: the rays then carry direct light, too. `light` holds H at every point, or is empty where H is not known yet (0).
 pub fn deposit(
     geometry: &Geometry,
     surface: &Surface,
     points: &[Point],
     psi: &[Psi],
-    direct: &[DirectSum],
+    direct: Option<&[DirectSum]>,
     light: &[[f32; 4]],
     normalise: f32,
 ) -> Vec<NodeSource> {
@@ -28,7 +28,10 @@ pub fn deposit(
         }
         let material = geometry.material_at(&points[d ^ 1]);
         let h = light.get(d ^ 1).map_or(Vec3::ZERO, |h| Vec3::from_slice(&h[..3]));
-        let sent = Vec3::from(material.rho) * (Vec3::from(direct[d ^ 1].mean()) + h);
+        let sent = match direct {
+            Some(direct) => Vec3::from(material.rho) * (Vec3::from(direct[d ^ 1].mean()) + h),
+            None => Vec3::from(material.rho) * h + Vec3::from(material.emit),
+        };
         for k in 0..4 {
             if psi[d].weight[k] > 0.0 {
                 let node = psi[d].node[k] as usize;

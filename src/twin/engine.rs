@@ -193,11 +193,12 @@ impl Engine for TwinEngine<'_> {
         Ok(sums)
     }
 
-    fn deposit(&mut self, batches: &[TwinBatch], lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
+    fn deposit(&mut self, batches: &[TwinBatch], exact: bool, lit: bool, normalise: f32) -> Result<Vec<NodeSource>> {
         let mut sums = Vec::new();
         for b in batches {
             let light = if lit { b.irradiance.as_slice() } else { &[] };
-            let more = super::deposit::deposit(self.geometry, &self.surface, &b.points, &b.psi, &b.direct, light, normalise);
+            let direct = exact.then_some(b.direct.as_slice());
+            let more = super::deposit::deposit(self.geometry, &self.surface, &b.points, &b.psi, direct, light, normalise);
             super::deposit::merge(&mut sums, more);
         }
         Ok(sums)

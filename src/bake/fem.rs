@@ -1,0 +1,72 @@
+//! Finite elements: uniform patches, a form factor for each pair of them, and the same light and read-out as every
+//! other method.
+//!
+//! 1. Cut the scene into patches, look around on each, sample direct light.
+//! 2. Evaluate the kernel between all pairs; scale the rows.
+//! 3. Solve, fit a gradient to each patch, account for every watt.
+
+use super::{Clock, patchwork};
+use crate::checkpoint::{Checkpoint, unread};
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::NodeLight;
+use crate::params::{Direct, Params, Solver};
+use crate::progress::{Event, Progress};
+use crate::radiosity::coefficients::Coefficients;
+use crate::radiosity::exchange::{Exchange, Transport};
+use crate::radiosity::patches::Mesh;
+use crate::radiosity::sampled::Sampled;
+use crate::radiosity::solver::{self, Rule};
+use crate::scene::{Geometry, Scene};
+use crate::stream::{Stream, stream};
+
+/// The order of the steps, on any engine. Fills the checkpoint.
+pub fn run<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    if saved.is_whole() {
+        return Ok(());
+    }
+    let exact = params.direct == Direct::Exact;
+    progress.event(Event::Stage { name: "coefficients" })?;
+    let mesh = Mesh::new(geometry, params.patches);
+    let sampled = clock.time(engine, "direct", |engine| {
+        Sampled::new(engine, geometry, &mesh, &mesh.patches, exact, stream(params.seed, Stream::Patches), progress)
+    })?;
+    let exchange = clock.time(engine, "coefficients", |engine| Exchange::new(engine, geometry, &mesh, &sampled, progress))?;
+
+    progress.event(Event::Stage { name: "solve" })?;
+    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+    let rule = Rule::new(params, params.bounces.map(|n| n - exact as u32));
+    let nodes = sampled.nodes(geometry, &mesh.patches);
+    let (light, solved) = clock.time(engine, "solve", |_| {
+        let transport = Transport::new(geometry, &mesh, &sampled, &exchange, exact);
+        let mut sweep = |light: &[NodeLight], n| {
+            Ok(match params.solver {
+                Solver::Jacobi => transport.jacobi(light, n),
+                Solver::GaussSeidel => transport.gauss_seidel(light, n),
+            })
+        };
+        let dark = vec![NodeLight::default(); nodes.len()];
+        solver::iterate(&mut sweep, geometry, dark, rule, progress, &names)
+    })?;
+
+    let net = &mut saved.network;
+    net.light = sampled.slopes(geometry, &nodes, &light);
+    net.coefficients = Some(Coefficients {
+        system: unread(&nodes),
+        mass: mesh.patches.iter().map(|p| p.area).collect(),
+        stored: exchange.value.len() as u64,
+        evaluations: exchange.evaluations,
+        looks: sampled.rays,
+        dropped: 0.0,
+    });
+    (net.nodes, net.solved) = (Some(nodes), Some(solved));
+    patchwork::account(engine, geometry, params, saved, clock, progress)
+}

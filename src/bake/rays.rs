@@ -1,0 +1,73 @@
+//! Every light ray its own coefficient: the network's rays and nodes without its cells, swept until the light stands.
+
+use super::{Clock, flux, flux::Traced};
+use crate::checkpoint::{Checkpoint, unread};
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::{NONE, NodeLight, kind};
+use crate::params::{Direct, Params};
+use crate::progress::{Event, Progress};
+use crate::radiosity::coefficients;
+use crate::radiosity::solver::{self, Rule};
+use crate::scene::{Geometry, Scene};
+
+/// The order of the passes, on any engine. Fills the checkpoint.
+pub fn run<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    if saved.is_whole() {
+        return Ok(());
+    }
+    let exact = params.direct == Direct::Exact;
+    let stage = flux::full(engine, scene, geometry, params, saved, clock, progress)?;
+    let Traced { mut surface, mut batches, lengths } = flux::trace(engine, geometry, params, &stage, saved, clock, progress)?;
+    let normalise = flux::normalise(geometry, params);
+
+    // The nodes' masses and planes, of which no cell has a part.
+    progress.event(Event::Stage { name: "coefficients" })?;
+    let built = clock.time(engine, "coefficients", |engine| {
+        let mut directed = 0;
+        for (batch, &points) in batches.iter_mut().zip(&lengths) {
+            engine.set_winners(batch, &vec![NONE; points])?;
+            directed += engine.points(batch)?.iter().filter(|p| p.kind == kind::FRONT).count() as u64;
+        }
+        let rays = params.rays as f32;
+        let sums = engine.coefficients(&batches, exact, normalise, rays, 0, &mut || progress.tick())?;
+        let built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, params.rays as f64);
+        engine.set_surface(&surface)?;
+        Ok(coefficients::Coefficients { stored: directed, ..built })
+    })?;
+    let net = &mut saved.network;
+    net.nodes = Some(surface.nodes.clone());
+
+    // A sweep reads the light at every ray's emitter end and carries it to the nodes around its receiver end.
+    progress.event(Event::Stage { name: "solve" })?;
+    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
+    let rule = Rule::new(params, params.bounces.map(|n| n - exact as u32));
+    let (light, solved) = clock.time(engine, "solve", |engine| {
+        let dark = vec![NodeLight::default(); surface.nodes.len()];
+        let mut sweep = |light: &[NodeLight], sweeps| {
+            let mut light = light.to_vec();
+            for _ in 0..sweeps {
+                engine.set_light(&light)?;
+                for batch in &mut batches {
+                    engine.readout(batch)?;
+                }
+                let sums = engine.deposit(&batches, exact, true, normalise)?;
+                light = coefficients::fit(&coefficients::known(&sums, &surface.nodes, &built.mass), &built.system.planes);
+            }
+            Ok(light)
+        };
+        solver::iterate(&mut sweep, geometry, dark, rule, progress, &names)
+    })?;
+    let net = &mut saved.network;
+    net.coefficients = Some(coefficients::Coefficients { system: unread(&surface.nodes), ..built });
+    (net.light, net.solved) = (light, Some(solved));
+    flux::account(engine, geometry, params, &mut batches, saved, clock, progress)
+}
