@@ -1,15 +1,17 @@
 //! `raycell paper`: the figures of the paper, made again.
 
 use super::console::Console;
-use super::exit::Done;
+use super::exit::{Done, Failure};
 use super::log::Log;
 use super::shared::interrupt::{heed, interrupt};
 use super::shared::machine::{Device, Machine};
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::paper::{Figure, Press, fig1, fig2, fig3, fig4, page};
+use crate::plot::panel::number;
+use crate::progress::Event;
 use clap::{Args, ValueEnum};
-use serde_json::json;
-use std::path::PathBuf;
+use serde_json::{Map, json};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
@@ -61,7 +63,7 @@ pub enum Which {
     All,
 }
 
-pub fn run(flags: Flags, console: &Console) -> Result<Done> {
+pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure> {
     let begin = Instant::now();
     let mut plane = fig2::Options::default();
     plane.function = flags.function.unwrap_or(plane.function);
@@ -73,38 +75,44 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
     let stop = interrupt();
     let machine = Machine::open(&flags.device, &log)?;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
-    let mut tell = |event: &crate::progress::Event| heed(&mut log, &stop, event);
-    let mut press = Press { dir, backend: &machine.backend, seed: flags.seed, tell: &mut tell };
     let mut figures: Vec<Figure> = Vec::new();
-    let wanted = |which| flags.figure == Which::All || flags.figure == which;
-    if wanted(Which::Fig1) {
-        figures.push(machine.judge("figure 1", fig1::make(&mut press, &fig1::Options::default()))?);
-    }
-    if wanted(Which::Fig2) {
-        figures.push(machine.judge("figure 2", fig2::make(&mut press, &plane))?);
-    }
-    if wanted(Which::Fig3) {
-        figures.push(machine.judge("figure 3", fig3::make(&mut press, &fig3::Options::default()))?);
-    }
-    if wanted(Which::Fig4a) {
-        figures.push(machine.judge("figure 4a", fig4::flat(&mut press, &fig4::Options::default()))?);
-    }
-    if wanted(Which::Fig4bc) {
-        figures.push(machine.judge("figure 4b", fig4::solid(&mut press, &fig4::Options::default()))?);
+    for which in [Which::Fig1, Which::Fig2, Which::Fig3, Which::Fig4a, Which::Fig4bc] {
+        if flags.figure != Which::All && flags.figure != which {
+            continue;
+        }
+        let mut tell = |event: &Event| heed(&mut log, &stop, event);
+        let press = &mut Press { dir, backend: &machine.backend, seed: flags.seed, tell: &mut tell };
+        let made = match which {
+            Which::Fig1 => fig1::make(press, &fig1::Options::default()),
+            Which::Fig2 => fig2::make(press, &plane),
+            Which::Fig3 => fig3::make(press, &fig3::Options::default()),
+            Which::Fig4a => fig4::flat(press, &fig4::Options::default()),
+            Which::Fig4bc | Which::All => fig4::solid(press, &fig4::Options::default()),
+        };
+        let figure = machine.judge("a figure", made).map_err(|error| stopped(error, dir, &figures))?;
+        log.finish();
+        for n in &figure.numbers {
+            log.line(&format!("{}: {}: {} {}", figure.name, n.what, number(n.value), if n.unit == "1" { "" } else { n.unit }));
+        }
+        figures.push(figure);
     }
     page::write(dir, &figures)?;
-    log.finish();
-    for figure in &figures {
-        for n in &figure.numbers {
-            log.line(&format!("{}: {}: {} {}", figure.name, n.what, crate::plot::panel::number(n.value), n.unit));
-        }
-    }
     log.line(&format!("wrote {}", dir.join("index.html").display()));
-    let numbers = |f: &Figure| f.numbers.iter().map(|n| (n.what.clone(), json!(n.value))).collect::<serde_json::Map<_, _>>();
+    let numbers = |f: &Figure| f.numbers.iter().map(|n| (n.what.clone(), json!(n.value))).collect::<Map<_, _>>();
     Ok(Done::new(json!({
         "command": "paper",
         "output": dir.display().to_string(),
-        "figures": figures.iter().map(|f| (f.name.to_string(), json!(numbers(f)))).collect::<serde_json::Map<_, _>>(),
+        "figures": figures.iter().map(|f| (f.name.to_string(), json!(numbers(f)))).collect::<Map<_, _>>(),
         "seconds": begin.elapsed().as_secs_f64(),
     })))
+}
+
+/// What is there when the user stops it: figures are written one by one.
+fn stopped(error: Error, dir: &Path, figures: &[Figure]) -> Failure {
+    let done: Vec<&str> = figures.iter().map(|f| f.name).collect();
+    let words = matches!(error, Error::Cancelled).then(|| match done.is_empty() {
+        true => "interrupted; no figure is done".to_string(),
+        false => format!("interrupted; {} lie in {}, without their page", done.join(", "), dir.display()),
+    });
+    Failure { error, words }
 }

@@ -1,22 +1,21 @@
-//! Radiosity in flatland by equal patches and all their coefficients: the classical method, and with many patches the
-//! truth that the figures are held against.
+//! Radiosity in flatland by many equal patches and the kernel between the middles of all: the truth that a figure is
+//! held against.
 
 use super::kernel::analytic;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::Point;
 use crate::scene::Geometry;
-use crate::twin::trace::surface_point;
+use crate::twin::trace::{barycentric, surface_point};
+use glam::Vec3;
 
 /// Sweeps of Jacobi: with reflectances to 0.7 more change nothing in single precision.
 const SWEEPS: usize = 60;
 
 /// A flatland scene cut into patches, solved.
 pub struct Patches {
-    /// The middle of each patch.
-    pub points: Vec<Point>,
-    /// Its irradiance, W/m.
-    pub irradiance: Vec<f64>,
+    /// Irradiance of each patch, W/m.
+    irradiance: Vec<f64>,
     /// First patch and number of patches of each triangle.
     of_tri: Vec<(usize, usize)>,
 }
@@ -59,26 +58,21 @@ pub fn solve<E: Engine>(engine: &mut E, geometry: &Geometry, per_metre: f64) -> 
         let b: Vec<f64> = (0..n).map(|i| own[i] + reflectance(geometry, &points[i]) * irradiance[i]).collect();
         irradiance = gather(&b);
     }
-    Ok(Patches { points, irradiance, of_tri })
+    Ok(Patches { irradiance, of_tri })
 }
 
 impl Patches {
-    /// Number of coefficients.
-    pub fn coefficients(&self) -> usize {
-        self.points.len() * self.points.len()
-    }
-
-    /// A value of each patch, read at a point: interpolated between the middles of its segment's patches.
-    pub fn read(&self, geometry: &Geometry, values: &[f64], p: &Point) -> f64 {
+    /// The irradiance at a point: interpolated between the middles of its segment's patches.
+    pub fn read(&self, geometry: &Geometry, p: &Point) -> f64 {
         let (first, count) = self.of_tri[p.tri as usize];
         if count == 0 {
             return 0.0;
         }
-        let (b1, _) = crate::twin::trace::barycentric(geometry.flatland, &geometry.tris[p.tri as usize], glam::Vec3::from(p.p));
+        let (b1, _) = barycentric(geometry.flatland, &geometry.tris[p.tri as usize], Vec3::from(p.p));
         // Between two middles along the segment, beyond the last ones on with their slope.
         let u = b1 as f64 * count as f64 - 0.5;
         let i = (u.floor().max(0.0) as usize).min(count.saturating_sub(2));
-        let (a, b) = (values[first + i], values[first + (i + 1).min(count - 1)]);
+        let (a, b) = (self.irradiance[first + i], self.irradiance[first + (i + 1).min(count - 1)]);
         a + (b - a) * (u - i as f64)
     }
 }

@@ -6,12 +6,12 @@ use super::{Figure, Press, dense, stage};
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::layout::Point;
-use crate::params::{Direct, Mode, PaperParams, Params};
+use crate::params::{Direct, Method, Mode, PaperParams, Params};
 use crate::pass::GpuEngine;
 use crate::plot::color::{GREY, INK, Map, SERIES, shade};
 use crate::plot::panel::{Axis, open, titled};
 use crate::plot::surface::{Names, surface};
-use crate::plot::{Grid, draw};
+use crate::plot::{Grid, draw, unit};
 use crate::progress::Progress;
 use crate::scene::{Geometry, LoadOptions, Scene};
 use crate::solution::{Answer, Solution, SurfacePoint};
@@ -27,8 +27,8 @@ pub struct Options {
     pub evaluations: u32,
     /// Points along each wall at which errors are measured.
     pub points: usize,
-    /// Patches of a wall in the classical method.
-    pub patches: usize,
+    /// Patches of each wall in the classical method.
+    pub patches: u32,
 }
 
 impl Default for Options {
@@ -74,8 +74,6 @@ struct Found {
     uniform: Learned,
     answer: Grid,
     truth: Vec<f64>,
-    classical: Vec<f64>,
-    coefficients: usize,
 }
 
 fn find<E: Engine>(
@@ -101,14 +99,9 @@ fn find<E: Engine>(
     let uniform = learn(engine, geometry, &Params { paper, ..params.clone() }, progress)?;
 
     let shown = places.iter().map(|&p| at(p)).collect::<Result<Vec<Point>>>()?;
-    let mut reflected = |per_metre: f64| -> Result<(Vec<f64>, usize)> {
-        let patches = dense::solve(engine, geometry, per_metre)?;
-        let read = |p: &Point| dense::reflectance(geometry, p) * patches.read(geometry, &patches.irradiance, p);
-        Ok((shown.iter().map(read).collect(), patches.coefficients()))
-    };
-    let (truth, _) = reflected(FINE)?;
-    let (classical, coefficients) = reflected(options.patches as f64)?;
-    Ok(Found { kernel, energy, network, uniform, answer, truth, classical, coefficients })
+    let patches = dense::solve(engine, geometry, FINE)?;
+    let truth = shown.iter().map(|p| dense::reflectance(geometry, p) * patches.read(geometry, p)).collect();
+    Ok(Found { kernel, energy, network, uniform, answer, truth })
 }
 
 /// Radiosity less what is emitted, at places, of a bake.
@@ -132,6 +125,7 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
         gather_rays: 0,
         ..Params::default()
     };
+    let classical = Params { mode: Mode::Flux, method: Method::Fem, patches: 2 * options.patches, cells: None, ..paper.clone() };
     let flux = Params { mode: Mode::Flux, rays: options.evaluations, paper: PaperParams::default(), ..paper.clone() };
 
     // Both walls, one after the other: t along the floor, then 1 + s along the wall.
@@ -149,6 +143,10 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     let by_paper = reflected(press, &geometry, &by_paper, &places)?;
     let by_flux = crate::bake(press.backend, &scene, &flux, press.tell)?;
     let flux_light = reflected(press, &geometry, &by_flux, &places)?;
+
+    let by_patches = crate::bake(press.backend, &scene, &classical, press.tell)?;
+    let coefficients = by_patches.report().coefficients;
+    let by_patches = reflected(press, &geometry, &by_patches, &places)?;
 
     // Weighted by what the wall sends: what the paper draws.
     let weighted =
@@ -168,8 +166,8 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     let map = Map::upto(goal.peak());
     let names = Names { x: "s (m)", y: "t (m)", z: "K E (W/m²)" };
     let axes = [Axis::linear("s along the wall (m)", [0.0, 1.0]), Axis::linear("t along the floor (m)", [0.0, 1.0])];
-    let most = found.truth.iter().chain(&by_paper).chain(&flux_light).copied().fold(0.0, f64::max);
-    let drawn = draw(1260, 860, |page| {
+    let most = found.truth.iter().chain(&by_paper).copied().fold(0.0, f64::max);
+    let drawn = draw(1140, 800, |page| {
         let parts = page.split_evenly((2, 3));
         let area = titled(&parts[0], "(a) geometry")?;
         let mut panel = open(&area, &Axis::linear("x (m)", [-0.08, 1.08]), &Axis::linear("y (m)", [-0.12, 0.78]), Some(1.0))?;
@@ -187,29 +185,35 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
         panel.words([0.5, 0.69], "wall, s: shines, most in its middle", true)?;
         panel.words([0.5, -0.06], "floor, t", true)?;
         panel.words([0.64, 0.3], "blocker", false)?;
-        surface(&titled(&parts[1], "(b) kernel times the wall's energy")?, &goal, &map, &names, 64)?;
+        surface(&titled(&parts[1], "(b) kernel times the wall's energy")?, &goal, &map, &names, 60)?;
         let title = format!("(c) cells of the paper's network ({} of {} here)", cells.len(), found.network.net.cells.len());
         let area = titled(&parts[2], &title)?;
         let mut panel = open(&area, &axes[0], &axes[1], Some(1.0))?;
         panel.heat(&found.kernel, &|v| shade(Map::upto(found.kernel.peak()).of(v), 0.45))?;
         panel.dots(&cells, 2.2, INK)?;
-        surface(&titled(&parts[3], "(d) what the network answers")?, &answer, &map, &names, 64)?;
+        surface(&titled(&parts[3], "(d) what the network answers")?, &answer, &map, &names, 60)?;
         let title = format!("(e) cells of the flux mode ({} of {} here)", flux_cells.len(), by_flux.cells().len());
         let area = titled(&parts[4], &title)?;
         let mut panel = open(&area, &axes[0], &axes[1], Some(1.0))?;
         panel.heat(&found.kernel, &|v| shade(Map::upto(found.kernel.peak()).of(v), 0.45))?;
         panel.dots(&flux_cells, 2.2, INK)?;
-        let area = titled(&parts[5], "(f) reflected light")?;
+        let (upper, lower) = titled(&parts[5], "(f) reflected light, and what is wrong with it")?.split_vertically(unit(170.0));
         let x = Axis::linear("t along the floor, then 1 + s along the wall (m)", [0.0, 2.0]);
-        let mut panel = open(&area, &x, &Axis::linear("B − E (W/m)", [0.0, 1.25 * most]), None)?;
-        let line = |values: &[f64]| -> Vec<[f64; 2]> { values.iter().enumerate().map(|(i, &v)| [arc(i), v]).collect() };
-        panel.line(&line(&found.truth), GREY, 4.0)?;
-        for (values, color) in [(&by_paper, SERIES[1]), (&found.classical, SERIES[2]), (&flux_light, SERIES[0])] {
-            panel.line(&line(values), color, 1.4)?;
+        let mut panel = open(&upper, &Axis::linear("", x.ends), &Axis::linear("B − E (W/m)", [0.0, 1.1 * most]), None)?;
+        let line =
+            |values: &mut dyn Iterator<Item = f64>| -> Vec<[f64; 2]> { values.enumerate().map(|(i, v)| [arc(i), v]).collect() };
+        panel.line(&line(&mut found.truth.iter().copied()), GREY, 4.0)?;
+        panel.line(&line(&mut by_paper.iter().copied()), SERIES[1], 1.4)?;
+        panel.legend(&[("truth", GREY), ("the paper's network", SERIES[1])], false)?;
+        let wrong = |values: &[f64]| line(&mut values.iter().zip(&found.truth).map(|(v, t)| v - t));
+        let y = Axis::linear("error (W/m)", [-0.06 * most, 0.09 * most]);
+        let mut panel = open(&lower, &x, &y, None)?;
+        panel.line(&[[0.0, 0.0], [2.0, 0.0]], GREY, 0.7)?;
+        for (values, color) in [(&by_paper, SERIES[1]), (&by_patches, SERIES[2]), (&flux_light, SERIES[0])] {
+            panel.line(&wrong(values), color, 1.4)?;
         }
         let fem = format!("{} patches a wall", options.patches);
-        let legend = [("truth", GREY), ("the paper's network", SERIES[1]), (&fem, SERIES[2]), ("flux mode", SERIES[0])];
-        panel.legend(&legend, false)
+        panel.legend(&[("the paper's network", SERIES[1]), (&fem, SERIES[2]), ("flux mode", SERIES[0])], false)
     });
     figure.drawing(press, drawn)?;
 
@@ -221,7 +225,7 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     figure.csv(press, "_cells.csv", "s,t", cells.iter().map(|c| c.to_vec()))?;
     figure.csv(press, "_flux_cells.csv", "s,t", flux_cells.iter().map(|c| c.to_vec()))?;
     figure.csv(press, "_samples.csv", "s,t", resampled.iter().map(|c| c.to_vec()))?;
-    let rows = (0..places.len()).map(|i| vec![arc(i), found.truth[i], by_paper[i], flux_light[i], found.classical[i]]);
+    let rows = (0..places.len()).map(|i| vec![arc(i), found.truth[i], by_paper[i], flux_light[i], by_patches[i]]);
     figure.csv(press, "_light.csv", "arc,truth,paper,flux,patches", rows)?;
 
     let [varied_resampled, varied_uniform] = [&resampled, &uniform].map(|s| share_in_varied_tenth(&varied, s));
@@ -230,8 +234,8 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
          place s of the wall and a place t of the floor, times what the wall emits at s, is a surface with a fissure where \
          the blocker stands (b). The paper's network ({} cells, {} evaluations, positions only, Gaussian outputs) puts its \
          cells where the kernel changes (c) and answers (d). The flux mode's cells ({}, from as many rays) are bundles of \
-         light: they follow the flow, not the kernel's edges (e). Both solve for the light of all reflections; the truth \
-         has {} points a metre (f).",
+         light: they follow the flow, not the kernel's edges (e). Both, and finite elements (a coefficient for each two \
+         patches), solve for the light of all reflections; the truth has {} points a metre (f).",
         options.cells,
         options.evaluations,
         by_flux.cells().len(),
@@ -252,8 +256,8 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     figure.number("error of the light: the paper's network", distance(&by_paper, &found.truth), "1");
     figure.number("error of the light: flux mode", distance(&flux_light, &found.truth), "1");
     figure.number(
-        format!("error of the light: {} patches a wall, {} coefficients", options.patches, found.coefficients),
-        distance(&found.classical, &found.truth),
+        format!("error of the light: finite elements, {} patches a wall, {coefficients} coefficients", options.patches),
+        distance(&by_patches, &found.truth),
         "1",
     );
     figure.number("samples in the tenth of the pairs where the kernel varies most", varied_resampled, "1");

@@ -46,7 +46,7 @@ pub fn draw(width: u32, height: u32, work: impl FnOnce(&Area) -> Result<(), Faul
         let sheet = Sheet { pixels: BitMapBackend::with_buffer(&mut pixels, (w, h)), svg: &mut svg };
         let area = sheet.into_drawing_area();
         area.fill(&color::PAPER)?;
-        work(&area)?;
+        work(&area.margin(0, 0, unit(8.0), unit(8.0)))?;
         area.present()?;
     }
     svg.push_str("</svg>\n");
