@@ -52,9 +52,15 @@ pub mod layout;
 #[doc(hidden)]
 pub mod network;
 pub mod output;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod paper;
 pub mod params;
 #[doc(hidden)]
 pub mod pass;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod plot;
 pub mod progress;
 #[doc(hidden)]
 pub mod radiosity;

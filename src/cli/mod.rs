@@ -9,6 +9,7 @@ mod exit;
 mod flags;
 mod log;
 mod man;
+mod paper;
 mod query;
 mod render;
 mod shared;
@@ -65,6 +66,7 @@ fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
         Command::Bake(flags) => return bake::run(flags, console),
         Command::Query(flags) => query::run(flags, console),
         Command::Render(flags) => render::run(flags, console),
+        Command::Paper(flags) => return paper::run(flags, console),
         Command::Doctor(flags) => doctor::run(flags),
         Command::Adapters(flags) => adapters::run(flags),
         Command::Man(flags) => man::run(flags, console),
