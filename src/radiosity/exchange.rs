@@ -110,7 +110,9 @@ impl Exchange {
                         upper[i as usize].push((j, s as f32));
                     }
                 }
-                (points.clear(), weights.clear(), spans.clear());
+                points.clear();
+                weights.clear();
+                spans.clear();
                 progress.tick()?;
             }
         }

@@ -38,6 +38,9 @@ fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
     (change, size)
 }
 
+/// Makes so many sweeps from a light.
+pub type Sweep<'a> = dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>> + 'a;
+
 /// When an iteration ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
@@ -57,12 +60,12 @@ impl Rule {
 }
 
 /// Sweeps from `start` until the distance from the fixed point is below the rule's tolerance times the largest
-/// irradiance. `sweep` makes so many sweeps from a light. "Small steps" alone are false convergence (hard case
+/// irradiance. "Small steps" alone are false convergence (hard case
 /// E02): the step is divided by 1 - the measured factor.
 ///
 /// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
 pub fn iterate(
-    sweep: &mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>,
+    sweep: &mut Sweep,
     geometry: &Geometry,
     start: Vec<NodeLight>,
     rule: Rule,
@@ -125,7 +128,7 @@ pub fn iterate(
 
 /// A stated number of sweeps.
 fn series(
-    sweep: &mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>,
+    sweep: &mut Sweep,
     mut light: Vec<NodeLight>,
     sweeps: u32,
     progress: &mut Progress,
