@@ -99,7 +99,7 @@ impl Shape {
     /// The point of (u, v) in [0, 1]^2, and by how much the map stretches there beside the mean. Uniform on segments
     /// and triangles, bilinear on quadrilaterals.
     pub fn at(&self, u: f64, v: f64) -> (DVec3, f64) {
-        let [a, b, c, d] = self.corners;
+        let [a, b, c, _] = self.corners;
         match self.sides {
             2 => (a + (b - a) * u, 1.0),
             3 => {
@@ -108,7 +108,6 @@ impl Shape {
             }
             _ => {
                 let (p, du, dv) = self.bilinear(u, v);
-                debug_assert!(d.is_finite());
                 (p, du.cross(dv).length() / self.area())
             }
         }

@@ -42,7 +42,7 @@ fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
 }
 
 /// Makes so many sweeps from a light.
-pub type Sweep<'a> = &'a mut dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>>;
+pub type Sweep<'a> = dyn FnMut(&[NodeLight], u32) -> Result<Vec<NodeLight>> + 'a;
 
 /// When an iteration ends.
 #[derive(Clone, Copy, Debug)]
@@ -88,12 +88,12 @@ pub fn solve<E: Engine>(
 }
 
 /// Sweeps from `start` until the distance from the fixed point is below the rule's tolerance times the largest
-/// irradiance. `sweep` makes so many sweeps from a light. "Small steps" alone are false convergence (hard case
+/// irradiance. "Small steps" alone are false convergence (hard case
 /// E02): the step is divided by 1 - the measured factor.
 ///
 /// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
 pub fn iterate(
-    sweep: Sweep,
+    sweep: &mut Sweep,
     geometry: &Geometry,
     start: Vec<NodeLight>,
     rule: Rule,
@@ -155,7 +155,12 @@ pub fn iterate(
 }
 
 /// A stated number of sweeps.
-fn series(sweep: Sweep, mut light: Vec<NodeLight>, sweeps: u32, progress: &mut Progress) -> Result<(Vec<NodeLight>, Solved)> {
+fn series(
+    sweep: &mut Sweep,
+    mut light: Vec<NodeLight>,
+    sweeps: u32,
+    progress: &mut Progress,
+) -> Result<(Vec<NodeLight>, Solved)> {
     let mut solved = Solved::default();
     while solved.sweeps < sweeps {
         let now = SERIES.min(sweeps - solved.sweeps);
