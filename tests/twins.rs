@@ -463,7 +463,7 @@ fn respond_equals_its_twin() {
             let net = Net { cells: &cells, outputs: &outputs, offsets: &offsets, neighbours: &neighbours, linear };
             let sample = |i: usize| {
                 let h = twin::math::hash(i as u32);
-                let winner = if h % 9 == 0 || (n > REPEATS && !i.is_multiple_of(211)) { NONE } else { h % 37 };
+                let winner = if h.is_multiple_of(9) || (n > REPEATS && !i.is_multiple_of(211)) { NONE } else { h % 37 };
                 let goal = twin::math::unit(twin::math::hash(h)) - 0.5;
                 Sample { winner, goal, weight: 1.0 + (h % 7) as f32, output: 7.0 }
             };
