@@ -1,7 +1,7 @@
 //! One bake of one method, and what it costs.
 
 use raycell::output::points;
-use raycell::radiosity::{display, patches::Mesh};
+use raycell::radiosity::patches::{Mesh, display};
 use raycell::twin::trace::{barycentric, surface_point};
 use raycell::{Answer, Backend, Flow, Method, Params, Result, Scene, Status, SurfacePoint, bake};
 use std::f64::consts::PI;

@@ -2,13 +2,9 @@
 
 pub mod coefficients;
 pub mod components;
-pub mod display;
 pub mod energy;
-pub mod exchange;
 pub mod gauss_seidel;
 pub mod learned;
-pub mod links;
 pub mod patches;
-pub mod sampled;
 pub mod solver;
 pub mod winding;

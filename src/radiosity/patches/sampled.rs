@@ -1,7 +1,7 @@
 //! What patches see: stratified points on each, which of them are covered, how much of their view meets light-giving
 //! surfaces, and what direct light falls on them.
 
-use super::patches::{Chart, Mesh, Patch, Shape};
+use super::{Chart, Mesh, Patch, Shape};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Node, NodeLight, Point, kind};

@@ -1,5 +1,10 @@
 //! Patches of the classical methods: the scene's own quadrilaterals, triangles and segments, cut into equal parts.
 
+pub mod display;
+pub mod exchange;
+pub mod links;
+pub mod sampled;
+
 use crate::layout::{NONE, Point};
 use crate::scene::Geometry;
 use crate::twin::trace::{barycentric, surface_point};

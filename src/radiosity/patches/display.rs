@@ -1,6 +1,6 @@
 //! The textbooks' read-outs of patches, to hold the nodes' against: constant, and linear between middles.
 
-use super::patches::Mesh;
+use super::Mesh;
 use crate::layout::{Node, NodeLight, Point};
 use crate::twin::math::tangents;
 use glam::Vec3;

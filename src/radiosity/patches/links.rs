@@ -2,8 +2,8 @@
 //! a pair of patches exchanges light as a whole where that costs little, else the larger one is divided.
 
 use super::exchange::{close, evaluations, facing, open, places};
-use super::patches::{Mesh, Patch};
 use super::sampled::{POINTS, points_on};
+use super::{Mesh, Patch};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{NONE, NodeLight, Point};

@@ -1,7 +1,7 @@
 //! Form factors between all pairs of patches: the N^2 coefficients of classical radiosity (Goral et al. 1984).
 
-use super::patches::{Mesh, Patch};
 use super::sampled::{POINTS, Sampled};
+use super::{Mesh, Patch};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{Material, NodeLight, Point};
