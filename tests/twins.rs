@@ -7,7 +7,8 @@ use raycell::gpu::device::{BackendChoice, list_adapters, open};
 use raycell::gpu::sentinel::{self, Counts};
 use raycell::gpu::{Gpu, LIGHT};
 use raycell::layout::{
-    CellFlux, CellSums, DirectSum, Fixed, Link, NONE, NodeLight, NodeSums, Plane, Point, Psi, Slot, Tile, kind,
+    CellFlux, CellOutput, CellSums, DirectSum, Fixed, Link, NONE, NodeLight, NodeSums, Plane, Point, Psi, Sample, Slot, Tile,
+    kind,
 };
 use raycell::network::nodes::place_nodes;
 use raycell::pass::{self, GpuEngine, SceneBuffers, SurfaceBuffers};
@@ -15,8 +16,10 @@ use raycell::progress::{Flow, Progress};
 use raycell::scene::{Geometry, Material};
 use raycell::twin::assign::Surface;
 use raycell::twin::direct::Samples;
+use raycell::twin::fixed::FEATURE_UNIT;
 use raycell::twin::gather::Gathered;
 use raycell::twin::jacobi::System;
+use raycell::twin::respond::Net;
 use raycell::twin::winner::{Feature, Metric};
 use raycell::twin::{self, TwinEngine};
 use raycell::{Backend, Error, Params, Scene, bake, wgpu};
@@ -432,6 +435,62 @@ fn winner_equals_its_twin() {
             assert_eq!(got[5..n - 6], want[5..n - 6]);
         }
         gpu.check_finished().unwrap();
+    }
+}
+
+/// A network of `n` cells at random places, each with the next three for neighbours.
+fn outputs(n: usize) -> (Vec<CellOutput>, Vec<u32>, Vec<u32>) {
+    let number = |i: u32| 2.0 * twin::math::unit(twin::math::hash(i ^ 0x5eed)) - 1.0;
+    let one = |i: u32| CellOutput {
+        slope: std::array::from_fn(|k| 0.1 * number(32 * i + k as u32)),
+        value: number(32 * i + 13),
+        width: 0.6 + 0.5 * number(32 * i + 14),
+        pad0: 0.0,
+    };
+    let n = n as u32;
+    let rows = (0..n).flat_map(|c| (1..4).map(move |k| (c + k) % n)).collect();
+    ((0..n).map(one).collect(), (0..=n).map(|c| 3 * c).collect(), rows)
+}
+
+#[test]
+fn respond_equals_its_twin() {
+    let Some(gpu) = gpu() else { return };
+    for n in FEW.into_iter().chain([many(&gpu, 64)]) {
+        for linear in [false, true] {
+            // Beyond 65,535 workgroups most inputs have no winner: they take no time.
+            let (inputs, cells) = (cheap_features(n, 3), cheap_features(37, 4));
+            let (outputs, offsets, neighbours) = outputs(cells.len());
+            let net = Net { cells: &cells, outputs: &outputs, offsets: &offsets, neighbours: &neighbours, linear };
+            let sample = |i: usize| {
+                let h = twin::math::hash(i as u32);
+                let winner = if h % 9 == 0 || (n > REPEATS && !i.is_multiple_of(211)) { NONE } else { h % 37 };
+                let goal = twin::math::unit(twin::math::hash(h)) - 0.5;
+                Sample { winner, goal, weight: 1.0 + (h % 7) as f32, output: 7.0 }
+            };
+            let mut want: Vec<Sample> = (0..n).map(sample).collect();
+            let device_inputs = gpu.upload("inputs", &inputs).unwrap();
+            let device_samples = gpu.upload("samples", &want).unwrap();
+            let sums = twin::respond::respond(net, &inputs, &mut want);
+            let device_sums = pass::respond::respond(&gpu, net, &device_inputs, &device_samples).unwrap();
+            let got = gpu.read(&device_samples).unwrap();
+            let got_sums = gpu.read(&device_sums).unwrap();
+            gpu.check_finished().unwrap();
+            // exp is good to a few units in the last place of its argument, which is below 90 here.
+            let same = |a: &Sample, b: &Sample| {
+                (a.winner, a.goal, a.weight) == (b.winner, b.goal, b.weight) && close(a.output, b.output, 1e-6, 1e-4)
+            };
+            assert_eq!(share(&want, &got, same), 0.0, "{n} {linear}");
+            let near = |a: Fixed, b: Fixed, terms: f64| {
+                let (a, b) = (a.value(FEATURE_UNIT), b.value(FEATURE_UNIT));
+                (a - b).abs() <= 1e-4 * (1.0 + terms)
+            };
+            for (a, b) in sums.iter().zip(&got_sums) {
+                // Sums of what the host gave are exact; the others differ by what the exponentials do, a term each.
+                assert_eq!((a.feature, a.count, a.share), (b.feature, b.count, b.share));
+                let terms = sums.iter().map(|s| s.activation.value(FEATURE_UNIT)).sum::<f64>() / 10.0;
+                assert!(near(a.error, b.error, terms) && near(a.gain, b.gain, terms) && near(a.activation, b.activation, terms));
+            }
+        }
     }
 }
 
