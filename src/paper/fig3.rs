@@ -169,7 +169,7 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     let names = Names { x: "s (m)", y: "t (m)", z: "K E (W/m²)" };
     let axes = [Axis::linear("s along the wall (m)", [0.0, 1.0]), Axis::linear("t along the floor (m)", [0.0, 1.0])];
     let most = found.truth.iter().chain(&by_paper).copied().fold(0.0, f64::max);
-    let drawn = draw(1080, 760, |page| {
+    let drawn = draw(1060, 750, |page| {
         let parts = page.split_evenly((2, 3));
         let area = titled(&parts[0], "(a) geometry")?;
         let mut panel = open(&area, &Axis::linear("x (m)", [-0.08, 1.08]), &Axis::linear("y (m)", [-0.12, 0.78]), Some(1.0))?;
@@ -187,13 +187,13 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
         panel.words([0.5, 0.69], "wall, s: shines, most in its middle", true)?;
         panel.words([0.5, -0.06], "floor, t", true)?;
         panel.words([0.64, 0.3], "blocker", false)?;
-        surface(&titled(&parts[1], "(b) kernel times the wall's energy")?, &goal, &map, &names, 52)?;
+        surface(&titled(&parts[1], "(b) kernel times the wall's energy")?, &goal, &map, &names, 48)?;
         let title = format!("(c) cells of the paper's network ({} of {} here)", cells.len(), found.network.net.cells.len());
         let area = titled(&parts[2], &title)?;
         let mut panel = open(&area, &axes[0], &axes[1], Some(1.0))?;
         panel.heat(&found.kernel, &pale)?;
         panel.dots(&cells, 2.2, INK)?;
-        surface(&titled(&parts[3], "(d) what the network answers")?, &answer, &map, &names, 52)?;
+        surface(&titled(&parts[3], "(d) what the network answers")?, &answer, &map, &names, 48)?;
         let title = format!("(e) cells of the flux mode ({} of {} here)", flux_cells.len(), by_flux.cells().len());
         let area = titled(&parts[4], &title)?;
         let mut panel = open(&area, &axes[0], &axes[1], Some(1.0))?;
@@ -201,7 +201,7 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
         panel.dots(&flux_cells, 2.2, INK)?;
         let (upper, lower) = titled(&parts[5], "(f) reflected light, and what is wrong with it")?.split_vertically(unit(170.0));
         let x = Axis::linear("t along the floor, then 1 + s along the wall (m)", [0.0, 2.0]);
-        let mut panel = open(&upper, &Axis::linear("", x.ends), &Axis::linear("B − E (W/m)", [0.0, 1.1 * most]), None)?;
+        let mut panel = open(&upper, &Axis::linear("", x.ends), &Axis::linear("B − E (W/m)", [0.0, 1.4 * most]), None)?;
         let line =
             |values: &mut dyn Iterator<Item = f64>| -> Vec<[f64; 2]> { values.enumerate().map(|(i, v)| [arc(i), v]).collect() };
         panel.line(&line(&mut found.truth.iter().copied()), GREY, 4.0)?;
