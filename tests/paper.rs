@@ -173,7 +173,8 @@ fn resampling_is_unbiased_and_looks_where_the_kernel_varies() {
     eprintln!("integrals {integrals:?}, samples where the kernel varies, against their area {steep:?}");
     // 16,384 evaluations of a kernel whose standard deviation is 1.5 times its mean: 1.2 %; three of them.
     assert!((integrals[1] / integrals[0] - 1.0).abs() < 0.036, "{integrals:?}");
-    assert!((steep[0] - 1.0).abs() < 0.15 && steep[1] > 1.5, "{steep:?}");
+    // Half as many again were measured; without resampling samples follow the area, to the noise of 8,192.
+    assert!((steep[0] - 1.0).abs() < 0.1 && steep[1] > 1.3, "{steep:?}");
 }
 
 #[test]

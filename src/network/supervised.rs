@@ -33,6 +33,9 @@ const FULL_ACCEPTANCE: f64 = 4.0;
 const DAMPING: f64 = 0.05;
 /// Cells that won fewer inputs than this share of the mean are starved.
 const STARVED: f64 = 0.05;
+/// Share of its wins that a cell keeps from epoch to epoch: longer than the resource lasts, so that a cell that is
+/// merely unlucky is not taken for starved.
+const REMEMBERED: f64 = 0.7;
 /// Widths are at least this share of the largest one (hard case F01).
 const LEAST_WIDTH: f32 = 1e-3;
 /// Ridge of the linear cells' least squares, as a share of the inputs' mean variance.
@@ -332,12 +335,12 @@ impl Supervised {
         }
     }
 
-    /// Decays the resources and adds the batch's.
+    /// Decays resources and wins, and adds the batch's.
     fn count(&mut self, sums: &[ResponseSums], decay: f64) {
         for (c, s) in sums.iter().enumerate() {
             self.resource[c] = decay * self.resource[c] + s.error.value(FEATURE_UNIT);
             self.share[c] = decay * self.share[c] + s.share.value(FEATURE_UNIT);
-            self.wins[c] = decay * self.wins[c] + s.count.units() as f64;
+            self.wins[c] = REMEMBERED * self.wins[c] + s.count.units() as f64;
         }
     }
 
@@ -373,7 +376,8 @@ impl Supervised {
     /// Sets every width to the mean length of the cell's edges.
     fn set_widths(&mut self) {
         let widths: Vec<f32> = (0..self.cells.len() as u32).map(|c| self.mean_edge(c)).collect();
-        let least = LEAST_WIDTH * widths.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+        // Where all cells coincide any width serves, as long as its square is no zero.
+        let least = LEAST_WIDTH * widths.iter().copied().fold(LEAST_WIDTH, f32::max);
         for (output, w) in self.outputs.iter_mut().zip(widths) {
             output.width = w.max(least);
         }
@@ -612,5 +616,61 @@ mod tests {
                 assert!(errors[1] < errors[0] / 1.4 && errors[1] < 0.2, "k {k}, {output:?}: {errors:?}");
             }
         }
+    }
+
+    /// A network in the middle of its growth.
+    fn grown(cells: usize) -> Supervised {
+        Supervised::train(&mut Square(Host, edgy), &settings(2, cells)).unwrap().0
+    }
+
+    #[test]
+    fn insertion_hands_the_resource_on() {
+        let mut net = grown(64);
+        for _ in 0..200 {
+            let (before, resource) = (net.cells.len(), net.resource.iter().sum::<f64>());
+            net.insert(1);
+            assert_eq!(net.cells.len(), before + 1);
+            let after: f64 = net.resource.iter().sum();
+            assert!((after / resource - 1.0).abs() < 1e-12, "{resource} became {after}");
+            assert!(net.resource.iter().all(|r| *r >= 0.0));
+            net.complex.check().unwrap();
+        }
+    }
+
+    #[test]
+    fn deletion_keeps_the_topology() {
+        let mut net = grown(64);
+        net.wins[5] = 0.0;
+        net.wins[60] = 0.0;
+        let kept = net.cells[59];
+        net.delete_starved();
+        assert!(net.cells.len() <= 62 && net.deleted >= 2 && net.cells.contains(&kept));
+        let n = net.cells.len();
+        assert_eq!([net.outputs.len(), net.resource.len(), net.share.len(), net.wins.len(), net.complex.cells()], [n; 5]);
+        net.complex.check().unwrap();
+    }
+
+    #[test]
+    fn cells_in_one_place_answer_their_mean() {
+        // Hard case F01: two of three cells coincide, and all of their edges may have no length.
+        for apart in [0.0, 1.0] {
+            let mut net = Supervised::start(&settings(2, 3), &[]);
+            net.cells = vec![[0.0; 16], [0.0; 16], [apart; 16]];
+            net.outputs[0].value = 1.0;
+            net.outputs[1].value = 2.0;
+            net.outputs[2].value = 1.5;
+            net.set_widths();
+            let answer = net.answer(&mut Host, &settings(2, 3), &[[0.0; 16]]).unwrap()[0];
+            assert!((answer - 1.5).abs() < 1e-6, "{apart}: {answer}");
+        }
+    }
+
+    #[test]
+    fn a_plane_is_learned_by_linear_cells() {
+        let s = Settings { output: Output::Linear, ..settings(2, 32) };
+        let mut goal = Square(Host, |x, y| 0.2 + 0.5 * x - 0.3 * y);
+        let (net, _) = Supervised::train(&mut goal, &s).unwrap();
+        // The ridge takes a fiftieth of the slope, over cells a fifth of the square wide: .02 * .5 * .2 at most.
+        assert!(net.error(&mut goal, &s, 1 << 24, 4096).unwrap() < 0.005);
     }
 }
