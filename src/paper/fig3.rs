@@ -164,10 +164,12 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     stage(press, "plot")?;
     let mut figure = Figure::new("fig3", "Fig. 3: the kernel of a wall over a floor, with a blocker between");
     let map = Map::upto(goal.peak());
+    let bare = Map::upto(found.kernel.peak());
+    let pale = |v: f64| shade(bare.of(v), 0.45);
     let names = Names { x: "s (m)", y: "t (m)", z: "K E (W/m²)" };
     let axes = [Axis::linear("s along the wall (m)", [0.0, 1.0]), Axis::linear("t along the floor (m)", [0.0, 1.0])];
     let most = found.truth.iter().chain(&by_paper).copied().fold(0.0, f64::max);
-    let drawn = draw(1140, 800, |page| {
+    let drawn = draw(1060, 750, |page| {
         let parts = page.split_evenly((2, 3));
         let area = titled(&parts[0], "(a) geometry")?;
         let mut panel = open(&area, &Axis::linear("x (m)", [-0.08, 1.08]), &Axis::linear("y (m)", [-0.12, 0.78]), Some(1.0))?;
@@ -185,32 +187,34 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
         panel.words([0.5, 0.69], "wall, s: shines, most in its middle", true)?;
         panel.words([0.5, -0.06], "floor, t", true)?;
         panel.words([0.64, 0.3], "blocker", false)?;
-        surface(&titled(&parts[1], "(b) kernel times the wall's energy")?, &goal, &map, &names, 60)?;
+        surface(&titled(&parts[1], "(b) kernel times the wall's energy")?, &goal, &map, &names, 48)?;
         let title = format!("(c) cells of the paper's network ({} of {} here)", cells.len(), found.network.net.cells.len());
         let area = titled(&parts[2], &title)?;
         let mut panel = open(&area, &axes[0], &axes[1], Some(1.0))?;
-        panel.heat(&found.kernel, &|v| shade(Map::upto(found.kernel.peak()).of(v), 0.45))?;
+        panel.heat(&found.kernel, &pale)?;
         panel.dots(&cells, 2.2, INK)?;
-        surface(&titled(&parts[3], "(d) what the network answers")?, &answer, &map, &names, 60)?;
+        surface(&titled(&parts[3], "(d) what the network answers")?, &answer, &map, &names, 48)?;
         let title = format!("(e) cells of the flux mode ({} of {} here)", flux_cells.len(), by_flux.cells().len());
         let area = titled(&parts[4], &title)?;
         let mut panel = open(&area, &axes[0], &axes[1], Some(1.0))?;
-        panel.heat(&found.kernel, &|v| shade(Map::upto(found.kernel.peak()).of(v), 0.45))?;
+        panel.heat(&found.kernel, &pale)?;
         panel.dots(&flux_cells, 2.2, INK)?;
         let (upper, lower) = titled(&parts[5], "(f) reflected light, and what is wrong with it")?.split_vertically(unit(170.0));
         let x = Axis::linear("t along the floor, then 1 + s along the wall (m)", [0.0, 2.0]);
-        let mut panel = open(&upper, &Axis::linear("", x.ends), &Axis::linear("B − E (W/m)", [0.0, 1.1 * most]), None)?;
+        let mut panel = open(&upper, &Axis::linear("", x.ends), &Axis::linear("B − E (W/m)", [0.0, 1.4 * most]), None)?;
         let line =
             |values: &mut dyn Iterator<Item = f64>| -> Vec<[f64; 2]> { values.enumerate().map(|(i, v)| [arc(i), v]).collect() };
         panel.line(&line(&mut found.truth.iter().copied()), GREY, 4.0)?;
         panel.line(&line(&mut by_paper.iter().copied()), SERIES[1], 1.4)?;
         panel.legend(&[("truth", GREY), ("the paper's network", SERIES[1])], false)?;
         let wrong = |values: &[f64]| line(&mut values.iter().zip(&found.truth).map(|(v, t)| v - t));
-        let y = Axis::linear("error (W/m)", [-0.06 * most, 0.09 * most]);
+        let lines = [(&by_paper, SERIES[1]), (&by_patches, SERIES[2]), (&flux_light, SERIES[0])].map(|(v, c)| (wrong(v), c));
+        let worst = lines.iter().flat_map(|(line, _)| line).map(|p| p[1].abs()).fold(1e-9, f64::max);
+        let y = Axis::linear("error (W/m)", [-1.1 * worst, 2.4 * worst]);
         let mut panel = open(&lower, &x, &y, None)?;
         panel.line(&[[0.0, 0.0], [2.0, 0.0]], GREY, 0.7)?;
-        for (values, color) in [(&by_paper, SERIES[1]), (&by_patches, SERIES[2]), (&flux_light, SERIES[0])] {
-            panel.line(&wrong(values), color, 1.4)?;
+        for (line, color) in &lines {
+            panel.line(line, *color, 1.4)?;
         }
         let fem = format!("{} patches a wall", options.patches);
         panel.legend(&[("the paper's network", SERIES[1]), (&fem, SERIES[2]), ("flux mode", SERIES[0])], false)

@@ -37,7 +37,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        Options { flat_cells: 1024, cells: 4096, evaluations: 32, width: 300, points: 80 }
+        Options { flat_cells: 1024, cells: 4096, evaluations: 32, width: 300, points: 64 }
     }
 }
 
@@ -333,7 +333,7 @@ pub fn solid(press: &mut Press, options: &Options) -> Result<Figure> {
         places.push(point(&geometry, [middle(i % FLOOR), 0.0, middle(i / FLOOR)], [0.0, 1.0, 0.0])?);
     }
     let params = params(press, options.cells, options.evaluations);
-    let light = on_any(press, &geometry, &params, &places, options.points / 8, options.points / 24)?;
+    let light = on_any(press, &geometry, &params, &places, options.points / 8, options.points / 20)?;
 
     let shown = |values: &[f64]| {
         let mut next = values[..pixels].iter();
@@ -372,7 +372,7 @@ pub fn solid(press: &mut Press, options: &Options) -> Result<Figure> {
         "The error is the relative L2 norm of the light that the floor reflects, over {FLOOR} x {FLOOR} places. The kernel's \
          light takes {0} x {0} points on each half of the window, the network's {1} x {1}.",
         options.points / 8,
-        options.points / 24
+        options.points / 20
     ));
     figure.number("error of the light on the floor: the paper's network", distance(network, kernel), "1");
     figure.number("with normals and linear cells", distance(repaired, kernel), "1");
