@@ -788,7 +788,9 @@ fn deposit_equals_its_twin() {
             let (direct, light) = (exact.then_some(&device.2), lit.then_some(&device_light));
             pass::deposit::deposit(&gpu, &scene, &surface, &device.0, &device.1, direct, light, normalise, &sums).unwrap();
             let got = gpu.read(&sums).unwrap();
-            assert!(n < 2 || want.iter().any(|s| s.value[0].units() != 0), "something arrives");
+            // Where ends send no more than they emit, a few rays may all begin in the dark.
+            let least = if exact || lit { 2 } else { 10_007 };
+            assert!(n < least || want.iter().any(|s| s.value[0].units() != 0), "something arrives");
             // Integer sums of the same floats; a contracted product may differ in its last bit.
             let near = |a: Fixed, b: Fixed| (a.units() - b.units()).abs() <= (a.units().abs() >> 16) + (1 << 34);
             for (a, b) in want.iter().zip(&got) {
