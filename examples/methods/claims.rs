@@ -6,6 +6,9 @@ use raycell::{Backend, Cells, Direct, Method, Params, Result, Scene};
 
 /// Seeds of each claim.
 const SEEDS: u32 = 5;
+/// Scenes with truth.
+const SCENES: [&str; 8] =
+    ["furnace", "cornell", "blocker", "corridor", "flatland_box", "flatland_plates", "flatland_l_room", "city"];
 /// Rays of the claims about the network.
 const RAYS: u32 = 131_072;
 
@@ -30,7 +33,7 @@ fn cut(scene: &Scene, n: u32) -> Scene {
     cut
 }
 
-/// Prints the claims named, or all of them, in Markdown.
+/// Prints the claims named, or all of them, in Markdown; after `growth` may come its scenes.
 pub fn print(backend: &Backend, names: &[&str]) -> Result<()> {
     let wanted = |name| names.is_empty() || names.contains(&name);
     if wanted("walls") {
@@ -43,7 +46,8 @@ pub fn print(backend: &Backend, names: &[&str]) -> Result<()> {
         crossing(backend)?;
     }
     if wanted("growth") {
-        growth(backend)?;
+        let scenes = names.iter().skip_while(|n| **n != "growth").skip(1).copied().collect::<Vec<_>>();
+        growth(backend, if scenes.is_empty() { &SCENES } else { &scenes })?;
     }
     Ok(())
 }
@@ -78,13 +82,13 @@ fn tessellation(backend: &Backend) -> Result<()> {
 }
 
 /// Claim (e): does growth earn its place beside random reference rays?
-fn growth(backend: &Backend) -> Result<()> {
+fn growth(backend: &Backend, scenes: &[&str]) -> Result<()> {
     println!("\n## Growth: trained cells against as many random reference rays ({SEEDS} seeds, {RAYS} rays)\n");
     println!(
         "Without refinements, which would take the cells' error out; all light through the network, and exact direct light.\n"
     );
     println!("| scene | direct | cells | trained | random rays | ratio |\n|---|---|---|---|---|---|");
-    for name in ["furnace", "cornell", "blocker", "city", "corridor", "flatland_box", "flatland_plates", "flatland_l_room"] {
+    for name in scenes {
         let case = Case::shipped(name)?;
         for (direct, word) in [(Direct::Network, "network"), (Direct::Exact, "exact")] {
             let base = Params { rays: RAYS, gather_rays: 0, refinements: 0, direct, ..Params::default() };
