@@ -23,6 +23,8 @@ const LINKS: f64 = 200.0;
 const FINEST: f64 = 4.0;
 /// What a trial's light counts where all of its rays are blocked: some of the rest may get through.
 const BLOCKED: f64 = 0.25;
+/// Most that a leaf's form factors are scaled by. Without a bound a floor's leaf beside a block was 4 times too bright.
+const MOST: f64 = 2.0;
 /// Pairs in flight.
 const FLIGHT: usize = 1 << 16;
 
@@ -188,14 +190,15 @@ impl Links {
         g.settle(engine, kept, progress)
     }
 
-    /// Scales what each leaf gets to the visible share of its view.
+    /// Scales what each leaf gets to the visible share of its view, but no more than [`MOST`]: where a leaf's links see
+    /// little of what it sees itself, those few would carry the light of all.
     pub fn calibrate(&mut self, visible: &[f64]) {
         let mut met = vec![0.0; self.patches.len()];
         for p in 0..self.patches.len() {
             let above = if self.whole[p] == NONE { 0.0 } else { met[self.whole[p] as usize] };
             met[p] = above + self.row(p).map(|&(_, f)| f as f64).sum::<f64>();
         }
-        let scale = |(&leaf, &v): (&u32, &f64)| if met[leaf as usize] > 0.0 { v / met[leaf as usize] } else { 0.0 };
+        let scale = |(&leaf, &v): (&u32, &f64)| if met[leaf as usize] > 0.0 { (v / met[leaf as usize]).min(MOST) } else { 0.0 };
         self.factor = self.leaves.iter().zip(visible).map(scale).collect();
     }
 
