@@ -48,7 +48,7 @@ struct GrowthHeader {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint. Errors: [`Error::Write`].
+    /// Writes the checkpoint. Errors: [`crate::Error::Write`].
     pub fn save(&self, path: &Path) -> Result<()> {
         let (net, none) = (&self.network, System::default());
         let growth = net.growth.as_ref();
@@ -88,7 +88,7 @@ impl Checkpoint {
     /// Reads a checkpoint that was saved, or that a bake has [kept](Checkpoint::keep_in). What only the scene can
     /// tell is checked when a bake goes on from it.
     ///
-    /// Errors: [`Error::Read`]; [`Error::Format`] where the file is no checkpoint, damaged, or of another version.
+    /// Errors: [`crate::Error::Read`]; [`crate::Error::Format`] where the file is no checkpoint, damaged, or of another version.
     pub fn load(path: &Path) -> Result<Checkpoint> {
         Self::from_container(rcell::read(path)?)
     }

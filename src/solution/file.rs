@@ -41,7 +41,7 @@ const CONTENT: &str = "solution";
 
 impl Solution {
     /// Writes the solution with its scene: whoever has the file can query it, elsewhere and later.
-    /// Same bake, same bytes. Errors: [`Error::Write`].
+    /// Same bake, same bytes. Errors: [`crate::Error::Write`].
     pub fn save(&self, path: &Path) -> Result<()> {
         let name = Path::new(&self.scene.name).file_name().map_or(self.scene.name.clone(), |n| n.to_string_lossy().into_owned());
         let mut report = Report {
@@ -81,7 +81,7 @@ impl Solution {
 
     /// Reads a solution that [`Solution::save`] has written, checking all of it.
     ///
-    /// Errors: [`Error::Read`]; [`Error::Format`] where the file is no solution, damaged, or of another version.
+    /// Errors: [`crate::Error::Read`]; [`crate::Error::Format`] where the file is no solution, damaged, or of another version.
     pub fn load(path: &Path) -> Result<Solution> {
         Self::from_container(rcell::read(path)?)
     }
