@@ -1,6 +1,6 @@
 //! Plots for reports: drawn once, as PNG and as SVG.
 //!
-//! A [`sheet::Sheet`] is a page; panels ([`panel`], [`surface`], [`picture`]) draw into its areas. Sizes are in units of the
+//! A sheet is a page; panels ([`panel`], [`surface`], [`picture`]) draw into its areas. Sizes are in units of the
 //! page; a PNG has a pixel a unit.
 
 pub mod color;
