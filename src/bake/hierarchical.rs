@@ -45,7 +45,7 @@ pub fn run<E: Engine>(
     })?;
     let leaves = links.leaf_patches();
     let sampled = clock.time(engine, "direct", |engine| Sampled::new(engine, geometry, &mesh, &leaves, exact, seed, progress))?;
-    links.calibrate(&sampled.visible);
+    links.calibrate(&sampled.visible, !exact);
 
     progress.event(Event::Stage { name: "solve" })?;
     let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();

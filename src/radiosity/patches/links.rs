@@ -23,8 +23,9 @@ const LINKS: f64 = 200.0;
 const FINEST: f64 = 4.0;
 /// What a trial's light counts where all of its rays are blocked: some of the rest may get through.
 const BLOCKED: f64 = 0.25;
-/// Most that a leaf's form factors are scaled by. Without a bound a floor's leaf beside a block was 4 times too bright.
-const MOST: f64 = 2.0;
+/// Most that a leaf's form factors are scaled by where emitters are among what they bring: without, cornell's error was .7 to 1.4
+/// (3 seeds), single leaves beside a block being too bright; with 2, .10 and .067; with 6, .096 and .053.
+const MOST: f64 = 6.0;
 /// Pairs in flight.
 const FLIGHT: usize = 1 << 16;
 
@@ -190,15 +191,16 @@ impl Links {
         g.settle(engine, kept, progress)
     }
 
-    /// Scales what each leaf gets to the visible share of its view, but no more than [`MOST`]: where a leaf's links see
-    /// little of what it sees itself, those few would carry the light of all.
-    pub fn calibrate(&mut self, visible: &[f64]) {
+    /// Scales what each leaf gets to the visible share of its view; by no more than [`MOST`] where links carry the emitters' own
+    /// light (`all_light`): a leaf whose links see little of what it sees would get all of it from the few that do.
+    pub fn calibrate(&mut self, visible: &[f64], all_light: bool) {
+        let most = if all_light { MOST } else { f64::INFINITY };
         let mut met = vec![0.0; self.patches.len()];
         for p in 0..self.patches.len() {
             let above = if self.whole[p] == NONE { 0.0 } else { met[self.whole[p] as usize] };
             met[p] = above + self.row(p).map(|&(_, f)| f as f64).sum::<f64>();
         }
-        let scale = |(&leaf, &v): (&u32, &f64)| if met[leaf as usize] > 0.0 { (v / met[leaf as usize]).min(MOST) } else { 0.0 };
+        let scale = |(&leaf, &v): (&u32, &f64)| if met[leaf as usize] > 0.0 { (v / met[leaf as usize]).min(most) } else { 0.0 };
         self.factor = self.leaves.iter().zip(visible).map(scale).collect();
     }
 
