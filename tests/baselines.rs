@@ -1,9 +1,10 @@
 //! The classical methods and the solvers against closed forms, path-traced truth and each other.
 
+mod common;
+
+use common::{gpu, root, rrmse};
 use raycell::engine::Engine;
-use raycell::gpu::{Gpu, device};
 use raycell::layout::NodeLight;
-use raycell::output::points;
 use raycell::pass::GpuEngine;
 use raycell::progress::Progress;
 use raycell::radiosity::gauss_seidel::GaussSeidel;
@@ -12,20 +13,6 @@ use raycell::scene::{Geometry, Material};
 use raycell::twin::TwinEngine;
 use raycell::{Backend, Cells, Direct, Error, Flow, Method, Params, Scene, Solution, Solver, bake};
 use std::f64::consts::PI;
-use std::path::PathBuf;
-use std::sync::Arc;
-
-/// A device, or a note that there is none.
-fn gpu() -> Option<Arc<Gpu>> {
-    match device::open(device::BackendChoice::Auto, None) {
-        Ok(open) => Some(Arc::new(Gpu::new(&open.device, &open.queue).unwrap())),
-        Err(e) => {
-            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
-            eprintln!("skipped: {e}");
-            None
-        }
-    }
-}
 
 fn grey(rho: f64, emission: f64) -> Material {
     Material::new(&format!("grey {rho} {emission}"), [rho; 3], [emission; 3])
@@ -224,7 +211,7 @@ fn apart(a: &[NodeLight], b: &[NodeLight]) -> f64 {
 
 #[test]
 fn gauss_seidel_gets_there_first() {
-    let scene = Scene::load(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell/scene.obj")).unwrap();
+    let scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
     let solution = network(&scene, Params::default());
     let mut engine = TwinEngine::new(solution.geometry());
     engine.set_system(solution.system()).unwrap();
@@ -247,30 +234,14 @@ fn gauss_seidel_gets_there_first() {
     assert!(apart(other.light(), same.light()) < 0.02 * size, "{}", apart(other.light(), same.light()) / size);
 }
 
-/// sqrt(mean (B - B*)^2)/mean(B*) over points and bands.
-fn rrmse(b: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
-    let square: f64 = b.iter().flatten().zip(truth.iter().flatten()).map(|(b, t)| (b - t).powi(2)).sum();
-    let n = 3.0 * b.len() as f64;
-    (square / n).sqrt() / (truth.iter().flatten().sum::<f64>() / n)
-}
-
 /// Cornell with exact direct light and no final gathers, small and larger: the errors fall, and lie below what was
 /// measured (docs/decisions.md) and a third on top.
 #[test]
 fn errors_fall_with_size() {
     let Some(gpu) = gpu() else { return };
     let backend = Backend::Gpu(gpu);
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let scene = Scene::load(root.join("scenes/cornell/scene.obj")).unwrap();
-    let path = root.join("tests/data/cornell.truth.csv");
-    let at = points::read(&path).unwrap();
-    let number = |cell: &str| cell.parse::<f64>().unwrap();
-    let truth: Vec<[f64; 3]> = (std::fs::read_to_string(&path).unwrap().lines().skip(1))
-        .map(|row| {
-            let cells: Vec<f64> = row.split(',').map(number).collect();
-            [cells[6], cells[7], cells[8]]
-        })
-        .collect();
+    let scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
+    let truth = common::truth("cornell");
     for (method, sizes, limits) in [
         (Method::Fem, [100, 800], [0.11, 0.037]),
         (Method::Hierarchical, [40, 200], [0.11, 0.036]),
@@ -284,9 +255,9 @@ fn errors_fall_with_size() {
                 _ => Params { rays: size, ..base },
             };
             let solution = bake(&backend, &scene, &params, &mut |_| Flow::Continue).unwrap();
-            let b: Vec<[f64; 3]> = solution.query(&backend, &at).unwrap().iter().map(|a| a.b).collect();
+            let b: Vec<[f64; 3]> = solution.query(&backend, &truth.points).unwrap().iter().map(|a| a.b).collect();
             let r = solution.report();
-            let error = rrmse(&b, &truth);
+            let error = rrmse(&b, &truth.b);
             eprintln!("{method:?} {size}: {error:.4}, {} coefficients, {} evaluations", r.coefficients, r.kernel_evaluations);
             assert!(r.coefficients > 0 && r.energy.imbalance.unwrap().abs() < 0.01, "{method:?} {size}: {:?}", r.energy);
             assert_eq!(r.kernel_evaluations > 0, matches!(method, Method::Fem | Method::Hierarchical));
@@ -300,7 +271,7 @@ fn errors_fall_with_size() {
 /// The same seed leaves the same bytes by every method; another seed others.
 #[test]
 fn every_method_repeats_itself() {
-    let scene = Scene::load(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell/scene.obj")).unwrap();
+    let scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.rcell");
     for (method, cells_from) in [

@@ -4,12 +4,13 @@
 //! `cargo test --release --test flatland -- --nocapture` shows the errors;
 //! `cargo test --release --test flatland -- --ignored` writes `tests/data/flatland_*.truth.csv` anew.
 
+mod common;
+
+use common::{gpu, root};
 use raycell::engine::Engine;
-use raycell::gpu::{Gpu, device};
 use raycell::layout::{DirectSum, Point, Psi, kind};
 use raycell::network::nodes::place_nodes;
 use raycell::network::tiles::starts;
-use raycell::output::points;
 use raycell::pass::GpuEngine;
 use raycell::progress::{Flow, Progress};
 use raycell::scene::{Geometry, Material};
@@ -17,25 +18,6 @@ use raycell::twin::direct::Samples;
 use raycell::twin::{self, TwinEngine};
 use raycell::{Answer, Backend, Direct, Error, Norm, Params, Scene, Solution, SurfacePoint, bake};
 use std::f64::consts::PI;
-use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
-
-fn gpu() -> Option<Arc<Gpu>> {
-    static GPU: OnceLock<Option<Arc<Gpu>>> = OnceLock::new();
-    GPU.get_or_init(|| match device::open(device::BackendChoice::Auto, None) {
-        Ok(open) => Some(Arc::new(Gpu::new(&open.device, &open.queue).unwrap())),
-        Err(e) => {
-            assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none(), "{e}");
-            eprintln!("skipped: {e}");
-            None
-        }
-    })
-    .clone()
-}
-
-fn root(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
-}
 
 fn shipped(name: &str) -> Scene {
     Scene::load(root(&format!("scenes/flatland/{name}.toml"))).unwrap()
@@ -347,18 +329,10 @@ fn error(answers: &[Answer], truth: &[f64], emitted: &[f64]) -> f64 {
 
 /// Points of a shipped flatland scene with their radiosity, and what they emit.
 fn truth(name: &str) -> (Vec<SurfacePoint>, Vec<f64>, Vec<f64>) {
-    let path = root(&format!("tests/data/flatland_{name}.truth.csv"));
-    let text = std::fs::read_to_string(&path).unwrap();
-    let b: Vec<f64> = text.lines().skip(1).map(|l| l.split(',').nth(6).unwrap().parse().unwrap()).collect();
-    let points = points::read(&path).unwrap();
-    let scene = shipped(name);
-    let g = Geometry::new(&scene).unwrap();
-    let emitted = points.iter().map(|p| {
-        let at = g.locate(p.p, p.n).expect("a point of the truth lies on the scene");
-        PI * scene.materials[g.tris[at.tri as usize].material as usize].emission[0]
-    });
-    let emitted = emitted.collect();
-    (points, b, emitted)
+    let truth = common::truth(&format!("flatland_{name}"));
+    let emitted = common::emitted(&shipped(name), &truth.points);
+    let first = |b: &[[f64; 3]]| b.iter().map(|b| b[0]).collect();
+    (truth.points, first(&truth.b), first(&emitted))
 }
 
 #[test]

@@ -2,21 +2,16 @@
 //!
 //! `cargo test --release --test paper -- --ignored --nocapture` prints the whole table (about ten minutes).
 
-use raycell::gpu::{Gpu, device};
+mod common;
+
+use common::root;
 use raycell::network::pairs::{PairMetric, Pairs};
 use raycell::network::supervised::{Goal, Settings, Supervised};
-use raycell::output::points;
 use raycell::params::{Fit, Form, Mode, Output, PaperParams};
 use raycell::scene::Geometry;
 use raycell::twin::TwinEngine;
 use raycell::{Backend, Direct, Flow, Params, Scene, Solution, SurfacePoint, bake};
 use std::f64::consts::PI;
-use std::path::PathBuf;
-use std::sync::Arc;
-
-fn root(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
-}
 
 /// A scene, points on it, their radiosity and what they emit, a band each.
 struct Truth {
@@ -26,26 +21,17 @@ struct Truth {
     e: Vec<[f64; 3]>,
 }
 
-fn truth(scene: &str, table: &str) -> Truth {
-    let (scene, table) = (Scene::load(root(scene)).unwrap(), root(table));
-    let text = std::fs::read_to_string(&table).unwrap();
-    let row = |l: &str| -> Vec<f64> { l.split(',').map(|x| x.parse().unwrap()).collect() };
-    let rows: Vec<Vec<f64>> = text.lines().skip(1).map(row).collect();
-    let g = Geometry::new(&scene).unwrap();
-    let kept: Vec<usize> = (0..rows.len()).filter(|&i| rows[i][12] == 0.0).collect();
-    let all = points::read(&table).unwrap();
-    let points: Vec<SurfacePoint> = kept.iter().map(|&i| all[i]).collect();
-    let b = kept.iter().map(|&i| [rows[i][6], rows[i][7], rows[i][8]]).collect();
-    let emission = |p: &SurfacePoint| {
-        let at = g.locate(p.p, p.n).expect("a point of the truth lies on the scene");
-        scene.materials[g.tris[at.tri as usize].material as usize].emission.map(|x| PI * x)
-    };
-    let e = points.iter().map(emission).collect();
+fn truth(scene: &str, name: &str) -> Truth {
+    let scene = Scene::load(root(scene)).unwrap();
+    let all = common::truth(name);
+    let kept = || (0..all.points.len()).filter(|&i| all.good[i]);
+    let points: Vec<SurfacePoint> = kept().map(|i| all.points[i]).collect();
+    let (b, e) = (kept().map(|i| all.b[i]).collect(), common::emitted(&scene, &points));
     Truth { scene, points, b, e }
 }
 
 fn flatland(name: &str) -> Truth {
-    truth(&format!("scenes/flatland/{name}.toml"), &format!("tests/data/flatland_{name}.truth.csv"))
+    truth(&format!("scenes/flatland/{name}.toml"), &format!("flatland_{name}"))
 }
 
 /// The parameters of the measurements: 1,024 cells, 32 evaluations each, all light through the network.
@@ -122,11 +108,7 @@ fn the_same_seed_gives_the_same_bytes_and_another_machine_the_same_light() {
     assert_eq!((a, first.cells()), (b, second.cells()));
     let (other, _) = run(&truth, &Backend::Cpu, &few(4));
     assert!(a != other);
-    let Ok(open) = device::open(device::BackendChoice::Auto, None) else {
-        assert!(std::env::var_os("RAYCELL_REQUIRE_GPU").is_none());
-        return;
-    };
-    let gpu = Backend::Gpu(Arc::new(Gpu::new(&open.device, &open.queue).unwrap()));
+    let Some(gpu) = common::gpu().map(Backend::Gpu) else { return };
     let (on_gpu, solution) = run(&truth, &gpu, &few(3));
     let (again, repeated) = run(&truth, &gpu, &few(3));
     assert_eq!((on_gpu, solution.cells()), (again, repeated.cells()));
@@ -181,7 +163,7 @@ fn resampling_is_unbiased_and_looks_where_the_kernel_varies() {
 fn a_box_in_space_is_as_hard_as_it_was() {
     // Measured: .33 (4,096 cells, 120,000 evaluations), and .21 with normals. With a sixteenth of both the error is
     // larger, but the order of the variants is the same; and the paper's is no better than with sixteen times as much.
-    let truth = truth("scenes/cornell/scene.obj", "tests/data/cornell.truth.csv");
+    let truth = truth("scenes/cornell/scene.obj", "cornell");
     let few = |paper| Params { cells: Some(256), ..params(1, paper) };
     let (literal, solution) = run(&truth, &Backend::Cpu, &few(PaperParams::default()));
     let (normals, _) = run(&truth, &Backend::Cpu, &few(PaperParams { normals: true, ..PaperParams::default() }));

@@ -6,13 +6,12 @@
 //! 3. Solve, fit a gradient to each patch, account for every watt.
 
 use super::{Clock, patchwork};
-use crate::checkpoint::{Checkpoint, unread};
+use crate::checkpoint::Checkpoint;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::NodeLight;
 use crate::params::{Direct, Params, Solver};
 use crate::progress::{Event, Progress};
-use crate::radiosity::coefficients::Coefficients;
 use crate::radiosity::patches::Mesh;
 use crate::radiosity::patches::exchange::{Exchange, Transport};
 use crate::radiosity::patches::sampled::Sampled;
@@ -30,9 +29,6 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    if saved.is_whole() {
-        return Ok(());
-    }
     let exact = params.direct == Direct::Exact;
     progress.event(Event::Stage { name: "coefficients" })?;
     let mesh = Mesh::new(geometry, params.patches);
@@ -42,7 +38,6 @@ pub fn run<E: Engine>(
     let exchange = clock.time(engine, "coefficients", |engine| Exchange::new(engine, geometry, &mesh, &sampled, progress))?;
 
     progress.event(Event::Stage { name: "solve" })?;
-    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
     let rule = Rule::new(params, params.bounces.map(|n| n - exact as u32));
     let nodes = sampled.nodes(geometry, &mesh.patches);
     let (light, solved) = clock.time(engine, "solve", |_| {
@@ -54,19 +49,9 @@ pub fn run<E: Engine>(
             })
         };
         let dark = vec![NodeLight::default(); nodes.len()];
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, &names)
+        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
     })?;
 
-    let net = &mut saved.network;
-    net.light = sampled.slopes(geometry, &nodes, &light);
-    net.coefficients = Some(Coefficients {
-        system: unread(&nodes),
-        mass: mesh.patches.iter().map(|p| p.area).collect(),
-        stored: exchange.value.len() as u64,
-        evaluations: exchange.evaluations,
-        looks: sampled.rays,
-        dropped: 0.0,
-    });
-    (net.nodes, net.solved) = (Some(nodes), Some(solved));
-    patchwork::account(engine, geometry, params, saved, clock, progress)
+    let cost = (exchange.value.len() as u64, exchange.evaluations);
+    patchwork::keep(engine, geometry, params, &sampled, &mesh.patches, (nodes, light, solved), cost, saved, clock, progress)
 }

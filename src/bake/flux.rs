@@ -70,9 +70,6 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    if saved.is_whole() {
-        return Ok(());
-    }
     let stage = full(engine, scene, geometry, params, saved, clock, progress)?;
     let mut batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
     account(engine, geometry, params, &mut batches, saved, clock, progress)
@@ -372,9 +369,8 @@ fn network<E: Engine>(
     let by_cells = bounces.map(|n| n - refinements);
     let built = saved.network.coefficients.clone().unwrap_or_default();
     if saved.network.solved.is_none() {
-        let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
         let (light, solved) = clock
-            .time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, by_cells, progress, &names))?;
+            .time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, by_cells, progress, scene))?;
         (saved.network.light, saved.network.solved) = (light, Some(solved));
         saved.keep(progress)?;
     }

@@ -7,13 +7,12 @@
 //! 4. Solve, fit a gradient to each leaf, account for every watt.
 
 use super::{Clock, flux, patchwork};
-use crate::checkpoint::{Checkpoint, unread};
+use crate::checkpoint::Checkpoint;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::NodeLight;
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
-use crate::radiosity::coefficients::Coefficients;
 use crate::radiosity::patches::exchange::own_light;
 use crate::radiosity::patches::links::{Links, roots};
 use crate::radiosity::patches::sampled::Sampled;
@@ -31,9 +30,6 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    if saved.is_whole() {
-        return Ok(());
-    }
     let exact = params.direct == Direct::Exact;
     let stage = flux::full(engine, scene, geometry, params, saved, clock, progress)?;
 
@@ -48,26 +44,15 @@ pub fn run<E: Engine>(
     links.calibrate(&sampled.visible, !exact);
 
     progress.event(Event::Stage { name: "solve" })?;
-    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
     let rule = Rule::new(params, params.bounces.map(|n| n - exact as u32));
     let nodes = sampled.nodes(geometry, &leaves);
     let (light, solved) = clock.time(engine, "solve", |_| {
         let own = own_light(geometry, &mesh, &leaves, &sampled, exact);
         let mut sweep = |light: &[NodeLight], n| Ok(links.jacobi(&own, &sampled.live, light, n));
         let dark = vec![NodeLight::default(); nodes.len()];
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, &names)
+        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
     })?;
 
-    let net = &mut saved.network;
-    net.light = sampled.slopes(geometry, &nodes, &light);
-    net.coefficients = Some(Coefficients {
-        system: unread(&nodes),
-        mass: leaves.iter().map(|p| p.area).collect(),
-        stored: links.stored(),
-        evaluations: links.evaluations,
-        looks: sampled.rays,
-        dropped: 0.0,
-    });
-    (net.nodes, net.solved) = (Some(nodes), Some(solved));
-    patchwork::account(engine, geometry, params, saved, clock, progress)
+    let cost = (links.stored(), links.evaluations);
+    patchwork::keep(engine, geometry, params, &sampled, &leaves, (nodes, light, solved), cost, saved, clock, progress)
 }

@@ -141,6 +141,9 @@ fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
+    if saved.is_whole() {
+        return Ok(());
+    }
     match params.method {
         Method::Network if params.mode == Mode::Paper => paper::run(engine, scene, geometry, params, saved, clock, progress),
         Method::Network => flux::run(engine, scene, geometry, params, saved, clock, progress),

@@ -101,9 +101,6 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    if saved.is_whole() {
-        return Ok(());
-    }
     let exact = params.direct == Direct::Exact;
     progress.event(Event::Stage { name: "train" })?;
     let count = params.node_count(geometry.pieces, geometry.flatland);
@@ -141,10 +138,9 @@ pub fn run<E: Engine>(
 
     // Solve.
     progress.event(Event::Stage { name: "solve" })?;
-    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
     let bounces = params.bounces.map(|n| n - exact as u32);
-    let (light, solved) = clock
-        .time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, bounces, progress, &names))?;
+    let (light, solved) =
+        clock.time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, bounces, progress, scene))?;
 
     let network = &mut saved.network;
     network.nodes = Some(surface.nodes);

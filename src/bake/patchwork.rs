@@ -1,13 +1,16 @@
-//! What the methods without light rays share: the account of energy, by rays of its own.
+//! What the methods without light rays share: how patches are kept, and the account of energy, by rays of its own.
 
-use super::{Clock, flux::BATCH};
-use crate::checkpoint::Checkpoint;
+use super::{Clock, flux, flux::BATCH};
+use crate::checkpoint::{Checkpoint, unread};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::layout::{Node, NodeLight};
 use crate::network::{nodes, tiles};
 use crate::params::{Direct, Params};
 use crate::progress::Progress;
-use crate::radiosity::energy;
+use crate::radiosity::coefficients::Coefficients;
+use crate::radiosity::patches::{Patch, sampled::Sampled};
+use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
 use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
@@ -25,7 +28,7 @@ pub fn account<E: Engine>(
     let exact = params.direct == Direct::Exact;
     let net = &saved.network;
     let surface = nodes::surface_of(geometry, net.nodes.clone().unwrap_or_default(), params.lambda as f32, true);
-    let energy = clock.time(engine, "energy", |engine| {
+    let batch = clock.time(engine, "energy", |engine| {
         engine.set_surface(&surface)?;
         let starts = tiles::starts(geometry, &vec![0.0; geometry.tiles as usize], 0.0);
         let mut batch = engine.emit(&starts, stream(params.seed, Stream::Rays), 0, BATCH, BATCH)?;
@@ -34,11 +37,30 @@ pub fn account<E: Engine>(
             let samples = Samples { emitter: params.end_samples, cosine: 1 };
             engine.direct(&mut batch, None, stream(params.seed, Stream::Ends), 0, 1, samples)?;
         }
-        let seed = stream(params.seed, Stream::Emission);
-        energy::account(engine, geometry, seed, exact, &net.light, &mut [batch], progress)
+        Ok(batch)
     })?;
-    saved.energy = Some(energy);
-    clock.compile = Some(engine.compile_seconds());
-    clock.device_bytes = Some(engine.device_bytes());
-    saved.keep(progress)
+    flux::account(engine, geometry, params, &mut [batch], saved, clock, progress)
+}
+
+/// Keeps what was solved on patches, each a node with a gradient, and accounts for every watt. `stored` coefficients
+/// took `evaluations` of the kernel.
+pub fn keep<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    params: &Params,
+    sampled: &Sampled,
+    patches: &[Patch],
+    (nodes, light, solved): (Vec<Node>, Vec<NodeLight>, Solved),
+    (stored, evaluations): (u64, u64),
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<()> {
+    let net = &mut saved.network;
+    net.light = sampled.slopes(geometry, &nodes, &light);
+    let mass = patches.iter().map(|p| p.area).collect();
+    net.coefficients =
+        Some(Coefficients { system: unread(&nodes), mass, stored, evaluations, looks: sampled.rays, dropped: 0.0 });
+    (net.nodes, net.solved) = (Some(nodes), Some(solved));
+    account(engine, geometry, params, saved, clock, progress)
 }

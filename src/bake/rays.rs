@@ -21,9 +21,6 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    if saved.is_whole() {
-        return Ok(());
-    }
     let exact = params.direct == Direct::Exact;
     let stage = flux::full(engine, scene, geometry, params, saved, clock, progress)?;
     let Traced { mut surface, mut batches, lengths } = flux::trace(engine, geometry, params, &stage, saved, clock, progress)?;
@@ -48,7 +45,6 @@ pub fn run<E: Engine>(
 
     // A sweep reads the light at every ray's emitter end and carries it to the nodes around its receiver end.
     progress.event(Event::Stage { name: "solve" })?;
-    let names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
     let rule = Rule::new(params, params.bounces.map(|n| n - exact as u32));
     let (light, solved) = clock.time(engine, "solve", |engine| {
         let dark = vec![NodeLight::default(); surface.nodes.len()];
@@ -64,7 +60,7 @@ pub fn run<E: Engine>(
             }
             Ok(light)
         };
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, &names)
+        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
     })?;
     let net = &mut saved.network;
     net.coefficients = Some(coefficients::Coefficients { system: unread(&surface.nodes), ..built });

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::layout::NodeLight;
 use crate::params::{Params, Solver};
 use crate::progress::{Event, Progress};
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Scene};
 use crate::twin::jacobi::System;
 use serde::{Deserialize, Serialize};
 
@@ -71,18 +71,18 @@ pub fn solve<E: Engine>(
     params: &Params,
     bounces: Option<u32>,
     progress: &mut Progress,
-    names: &[String],
+    scene: &Scene,
 ) -> Result<(Vec<NodeLight>, Solved)> {
     let dark = vec![NodeLight::default(); system.planes.len()];
     let rule = Rule::new(params, bounces);
     match params.solver {
         Solver::Jacobi => {
             engine.set_system(system)?;
-            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, names)
+            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, scene)
         }
         Solver::GaussSeidel => {
             let host = GaussSeidel::new(system, &geometry.materials);
-            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, names)
+            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, scene)
         }
     }
 }
@@ -98,7 +98,7 @@ pub fn iterate(
     start: Vec<NodeLight>,
     rule: Rule,
     progress: &mut Progress,
-    names: &[String],
+    scene: &Scene,
 ) -> Result<(Vec<NodeLight>, Solved)> {
     if let Some(sweeps) = rule.exactly {
         return series(sweep, start, sweeps, progress);
@@ -136,7 +136,7 @@ pub fn iterate(
                 return Err(Error::NotContractive {
                     factor,
                     max_rho,
-                    material: names.get(material).cloned().unwrap_or_default(),
+                    material: scene.materials.get(material).map_or(String::new(), |m| m.name.clone()),
                 });
             }
         }

@@ -3,7 +3,9 @@
 
 use raycell::gpu::{Gpu, device};
 use raycell::output::points;
-use raycell::{Answer, SurfacePoint};
+use raycell::scene::Geometry;
+use raycell::{Answer, Scene, SurfacePoint};
+use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -50,6 +52,16 @@ pub fn truth(scene: &str) -> Truth {
         good.push(cells[12] == "0");
     }
     Truth { points: points::read(&path).unwrap(), b, good }
+}
+
+/// What a scene emits at points on it: radiosity, W/m² a band.
+pub fn emitted(scene: &Scene, points: &[SurfacePoint]) -> Vec<[f64; 3]> {
+    let geometry = Geometry::new(scene).unwrap();
+    let emission = |p: &SurfacePoint| {
+        let at = geometry.locate(p.p, p.n).expect("a point of the truth lies on the scene");
+        scene.materials[geometry.tris[at.tri as usize].material as usize].emission.map(|x| PI * x)
+    };
+    points.iter().map(emission).collect()
 }
 
 pub fn radiosity(answers: &[Answer]) -> Vec<[f64; 3]> {
