@@ -36,6 +36,7 @@
 //!
 //! `cli`, a default feature, is the program; `--no-default-features` builds the library alone.
 
+pub mod accuracy;
 pub mod bake;
 mod baker;
 pub mod checkpoint;
@@ -72,6 +73,7 @@ mod stream;
 #[doc(hidden)]
 pub mod twin;
 
+pub use accuracy::Goal;
 pub use bake::{bake, bake_from};
 pub use baker::{Baked, Baker, LIGHT_TEXTURE_WIDTH, Ready};
 pub use checkpoint::Checkpoint;

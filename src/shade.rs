@@ -3,7 +3,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, Point};
+use crate::layout::{DirectSum, Point, Psi};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::stream::{Stream, stream};
@@ -91,14 +91,12 @@ fn shade_chunk<E: Engine>(
         progress.tick()?;
     }
     let mut wanted = Vec::new();
-    // What a gather brings has been reflected once more.
-    let gathers = params.gather_rays > 0 && params.bounces.is_none();
+    let gathers = gathers(params);
     for i in 0..points.len() {
         let d = direct[i].mean().map(f64::from);
         let covered = near[i].is_dead() && d == [0.0; 3];
         let irradiance = [0, 1, 2].map(|k| if covered { 0.0 } else { d[k] + network[i][k] as f64 });
-        let close = near[i].nearness as f64 * params.gather_threshold * spacing > 1.0;
-        if gathers && !covered && (close || psi[i].is_orphan()) {
+        if gathers && !covered && wants_gather(params, spacing, near[i].nearness, &psi[i]) {
             wanted.push(i);
         }
         shades.push(Shade { direct: d, irradiance, covered });
@@ -147,6 +145,39 @@ fn shade_chunk<E: Engine>(
     Ok(shades)
 }
 
+/// Whether points are gathered for at all: what a gather brings has been reflected once more.
+pub(crate) fn gathers(params: &Params) -> bool {
+    params.gather_rays > 0 && params.bounces.is_none()
+}
+
+/// Whether a point with surroundings so near gets a final gather: nodes are too far apart for it, or none speaks for it.
+pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &Psi) -> bool {
+    nearness as f64 * params.gather_threshold * spacing > 1.0 || psi.is_orphan()
+}
+
+/// Most rounds of direct light at a point.
+fn most_rounds(params: &Params) -> u32 {
+    (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2)
+}
+
+/// Rounds of direct light before its scatter is looked at, and the samples of a round.
+pub(crate) fn first_rounds(params: &Params) -> (u32, Samples) {
+    (FIRST_ROUNDS.min((most_rounds(params) / 8).max(2)), ROUND)
+}
+
+/// The standard error that direct light will be left with at a point, from its first rounds.
+pub(crate) fn direct_error(params: &Params, first: &DirectSum, network: &[f64; 3]) -> f64 {
+    let light = first.mean().iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0 + network.iter().sum::<f64>() / 3.0;
+    let (mut error, goal) = (f64::from(first.standard_error()), params.direct_tolerance * light);
+    let mut rounds = first.rounds;
+    while error > goal && rounds < most_rounds(params) {
+        // As below: what has been shot is doubled.
+        rounds *= 2;
+        error *= std::f64::consts::FRAC_1_SQRT_2;
+    }
+    error
+}
+
 /// Samples direct light until its standard error is small against all light at the point.
 fn sample_direct<E: Engine>(
     engine: &mut E,
@@ -157,9 +188,9 @@ fn sample_direct<E: Engine>(
     seed: u32,
     progress: &mut Progress,
 ) -> Result<Vec<DirectSum>> {
-    let most = (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2);
+    let most = most_rounds(params);
     let mut done = 0;
-    let mut rounds = FIRST_ROUNDS.min((most / 8).max(2));
+    let mut rounds = first_rounds(params).0;
     let mut active = all.to_vec();
     loop {
         // Rounds add up in their order, however many are asked for at a time.

@@ -315,6 +315,11 @@ impl Geometry {
     pub fn to_local(&self, p: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| (p[k] - self.center[k]) * self.scale)
     }
+
+    /// Local position to world.
+    pub fn to_world(&self, p: [f32; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|k| f64::from(p[k]) / self.scale + self.center[k])
+    }
 }
 
 /// A triangle that has an area after the cast.
