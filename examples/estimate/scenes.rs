@@ -143,8 +143,13 @@ impl Maker {
         let mut rooms: Vec<Room> = (0..count)
             .map(|_| {
                 let width = self.between(1.8, 6.0);
-                let room =
-                    Room { x: [x, x + width], z: self.between(2.0, 6.0), height: self.between(2.2, 3.6), open: false, taken: vec![] };
+                let room = Room {
+                    x: [x, x + width],
+                    z: self.between(2.0, 6.0),
+                    height: self.between(2.2, 3.6),
+                    open: false,
+                    taken: vec![],
+                };
                 x += width + WALL;
                 room
             })

@@ -1,5 +1,5 @@
 //! What the test binaries share; each uses a part of it.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 pub use raycell::accuracy::norms::{rrmse, rrmse_without};
 use raycell::accuracy::truth::Flag;
