@@ -3,7 +3,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, Point, Psi};
+use crate::layout::{DirectSum, Point, Psi, kind};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::stream::{Stream, stream};
@@ -22,6 +22,10 @@ const FIRST_ROUNDS: u32 = 8;
 const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
+/// Hits nearer than this many node spacings ask for light by a ray of their own.
+const CLOSE: f64 = 0.5;
+/// Bounces in a slot before the nodes' light is taken all the same.
+pub(crate) const BOUNCES: u32 = 6;
 /// Rays that tell how near a point's surroundings are, and whether it is covered.
 const PROBES: u32 = 32;
 
@@ -109,13 +113,7 @@ fn shade_chunk<E: Engine>(
         let own: Vec<Point> = chunk.iter().map(|&i| points[i]).collect();
         let mut from = engine.upload(&own)?;
         let mut hits = engine.shoot(&from, seed_of(stream(seed, Stream::PointGather), c as u32), 0, rays)?;
-        engine.assign(&mut hits)?;
-        engine.readout(&mut hits)?;
-        engine.finish()?;
-        progress.tick()?;
-        if exact {
-            engine.direct(&mut hits, None, seed_of(stream(seed, Stream::HitDirect), c as u32), 0, 1, HIT)?;
-        }
+        light_hits(engine, params, spacing, &mut hits, seed_of(stream(seed, Stream::HitDirect), c as u32), BOUNCES, progress)?;
         let gathered = engine.gather(&hits, rays, true, exact)?;
         progress.tick()?;
         // The network carried direct light too; a gathered point takes it exactly.
@@ -143,6 +141,58 @@ fn shade_chunk<E: Engine>(
         }
     }
     Ok(shades)
+}
+
+/// Finds the light at the hits of gather rays: the nodes', and direct light where that is exact.
+///
+/// A hit much nearer than nodes lie apart is in a slot, or beside a contact, of which no node speaks: its light is what
+/// one ray of its own brings, and so on for `bounces` until the light is met outside.
+pub(crate) fn light_hits<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    spacing: f64,
+    hits: &mut E::Batch,
+    seed: u32,
+    bounces: u32,
+    progress: &mut Progress,
+) -> Result<()> {
+    let exact = params.direct == Direct::Exact;
+    engine.assign(hits)?;
+    engine.readout(hits)?;
+    engine.finish()?;
+    progress.tick()?;
+    if exact {
+        engine.direct(hits, None, seed, 0, 1, HIT)?;
+    }
+    if bounces == 0 {
+        return Ok(());
+    }
+    let points = engine.points(hits)?;
+    let near = |p: &Point| p.kind == kind::FRONT && f64::from(p.weight) < CLOSE * spacing;
+    let close: Vec<usize> = (0..points.len()).filter(|&i| near(&points[i])).collect();
+    if close.is_empty() {
+        return Ok(());
+    }
+    let own: Vec<Point> = close.iter().map(|&i| points[i]).collect();
+    let mut from = engine.upload(&own)?;
+    let mut next = engine.shoot(&from, stream(seed, Stream::PointGather), 0, 1)?;
+    light_hits(engine, params, spacing, &mut next, stream(seed, Stream::HitDirect), bounces - 1, progress)?;
+    let brought = engine.gather(&next, 1, true, exact)?;
+    let known = match exact {
+        true => vec![[0.0; 3]; own.len()],
+        false => {
+            // The nodes' light would have held it.
+            engine.direct(&mut from, None, stream(seed, Stream::PointDirect), 0, 1, HIT)?;
+            engine.direct_sums(&from)?.iter().map(DirectSum::mean).collect()
+        }
+    };
+    let mut light = engine.irradiance(hits)?;
+    for (k, &i) in close.iter().enumerate() {
+        for b in 0..3 {
+            light[i][b] = known[k][b] + brought[k].irradiance[b];
+        }
+    }
+    engine.set_irradiance(hits, &light)
 }
 
 /// Whether points are gathered for at all: what a gather brings has been reflected once more.

@@ -30,8 +30,6 @@ const POINTS: [u32; 2] = [96, 1_024];
 const BRIGHT: f64 = 0.5;
 /// Points in flight.
 const CHUNK: usize = 256;
-/// Samples of direct light at a test ray's hit.
-const HIT: crate::twin::direct::Samples = crate::twin::direct::Samples { emitter: 2, cosine: 1 };
 /// Largest share of light that is taken to have been reflected before: what one bounce shows says nothing of more.
 const MOST_INDIRECT: f64 = 0.99;
 /// By how much the truth's own points may differ from the tests'.
@@ -166,13 +164,7 @@ fn test<E: Engine>(
     for n in 0..2 {
         let of = |which| seed_of(seed(which), n);
         let mut hits = engine.shoot(&from, of(Stream::TestRays), 0, half)?;
-        engine.assign(&mut hits)?;
-        engine.readout(&mut hits)?;
-        engine.finish()?;
-        progress.tick()?;
-        if exact {
-            engine.direct(&mut hits, None, of(Stream::TestHits), 0, 1, HIT)?;
-        }
+        shade::light_hits(engine, params, solution.spacing(), &mut hits, of(Stream::TestHits), shade::BOUNCES, progress)?;
         halves.push(engine.gather(&hits, half, true, exact)?);
         progress.tick()?;
     }

@@ -149,7 +149,11 @@ fn pilot<E: Engine>(
     let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
     let direct =
-        once(&mut saved.tiles, || clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, progress)))?;
+        once(&mut saved.tiles, || {
+        // Few rays need no fine importance.
+        let rounds = if pilot_rays(params) < PILOT_RAYS { 1 } else { 2 };
+        clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))
+    })?;
     let exact = params.direct == Direct::Exact;
     let sent: Vec<[f64; 3]> = (0..places.len())
         .map(|t| {
@@ -223,13 +227,14 @@ pub(super) fn trace<E: Engine>(
 
     // Place the nodes.
     let lambda = params.lambda as f32;
+    let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
     let surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
         Some(nodes) => {
-            let surface = nodes::surface_of(geometry, nodes.clone(), lambda, stage.told);
+            let surface = nodes::surface_of(geometry, nodes.clone(), lambda, mark);
             engine.set_surface(&surface)?;
             Ok(surface)
         }
-        None => nodes::place_nodes(engine, geometry, &stage.density, stage.nodes, lambda, node_seed, stage.told, progress),
+        None => nodes::place_nodes(engine, geometry, &stage.density, stage.nodes, lambda, node_seed, mark, progress),
     })?;
     saved.network.nodes = Some(surface.nodes.clone());
     saved.keep(progress)?;
@@ -409,6 +414,7 @@ fn network<E: Engine>(
         net.refined += 1;
         saved.keep(progress)?;
     }
+    saved.network.surface = Some(surface);
     Ok(batches)
 }
 

@@ -142,6 +142,7 @@ impl Checkpoint {
             pilot,
             network: Network {
                 nodes: header.nodes.then(|| file.get("nodes")).transpose()?,
+                surface: None,
                 rays: header.rays,
                 direct: file.get("direct")?,
                 growth,

@@ -22,6 +22,7 @@ use crate::progress::{Event, Progress};
 use crate::radiosity::coefficients::Coefficients;
 use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
+use crate::twin::assign::Surface;
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -90,6 +91,8 @@ pub(crate) struct Learned {
 pub(crate) struct Network {
     /// Its nodes; with their means once there are coefficients.
     pub nodes: Option<Vec<Node>>,
+    /// They, and which of them may speak where, once all is done: it takes time to find. Not kept in files.
+    pub surface: Option<Surface>,
     /// Rays shot, whole batches.
     pub rays: u32,
     /// D at both ends of each of them where direct light is exact; a round of samples.

@@ -50,11 +50,18 @@ pub fn drawn(geometry: &Geometry, starts: &[Tile], seed: u32, count: u32) -> Vec
 }
 
 /// A first estimate of direct light at every tile's point.
-pub fn direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32, progress: &mut Progress) -> Result<Vec<DirectSum>> {
+pub fn direct<E: Engine>(
+    engine: &mut E,
+    places: &[Point],
+    seed: u32,
+    rounds: u32,
+    progress: &mut Progress,
+) -> Result<Vec<DirectSum>> {
     let mut sums = Vec::new();
     for (i, chunk) in places.chunks(BATCH).enumerate() {
         let mut batch = engine.upload(chunk)?;
-        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, 2, Samples { emitter: 6, cosine: 2 })?;
+        let samples = Samples { emitter: 3 * rounds, cosine: rounds };
+        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, rounds, samples)?;
         sums.extend(engine.direct_sums(&batch)?);
         progress.tick()?;
     }
