@@ -1,5 +1,5 @@
 //! A learned kernel as links: a cell stands for the light between its two ends, as much of it as its part of the
-//! pairs' measure times its value, spread around both ends as wide as the inputs lie that it wins.
+//! pairs' measure times its mean answer there, spread around both ends as wide as the inputs lie that it wins.
 
 use super::ends::Ends;
 use crate::engine::Engine;
@@ -64,15 +64,16 @@ pub fn build<E: Engine>(
         }
     }
 
-    // The cells' parts of the pairs' measure, how wide they are, and what they answer.
-    let (mut part, mut spread) = (vec![0.0; net.cells.len()], vec![0.0; net.cells.len()]);
+    // The cells' parts of the pairs' measure, how wide they are, and what the network answers there: over the whole
+    // part, as a plane's value at the cell's own place is not its mean.
+    let [mut part, mut spread, mut answers] = [(); 3].map(|()| vec![0.0; net.cells.len()]);
     for (s, input) in samples.values.iter().zip(&samples.inputs).filter(|(s, _)| s.winner != NONE) {
         let cell = s.winner as usize;
         let d: f32 = input.iter().zip(&net.cells[cell]).map(|(a, b)| (a - b) * (a - b)).sum();
         part[cell] += s.weight as f64;
         spread[cell] += (s.weight * d) as f64;
+        answers[cell] += s.weight as f64 * s.output.clamp(0.0, 1.0) as f64;
     }
-    let answers = net.answer(engine, settings, &net.cells)?;
     let directions = if geometry.flatland { 2.0 } else { 4.0 };
 
     // Spread every cell around both its ends.
@@ -88,7 +89,7 @@ pub fn build<E: Engine>(
     for c in (0..net.cells.len()).filter(|&c| part[c] > 0.0) {
         let variance = ((spread[c] / part[c] / directions) as f32).max(f32::MIN_POSITIVE);
         let pairs = part[c] * geometry.area * geometry.area / samples.drawn as f64;
-        let flux = pairs * answers[c].clamp(0.0, 1.0) as f64 * metric.clamp as f64;
+        let flux = pairs * answers[c] / part[c] * metric.clamp as f64;
         if flux <= 0.0 {
             continue;
         }
