@@ -267,7 +267,9 @@ fn conclude(tests: &[Test], unscale: f64, params: &Params, solved: Solved, evide
     let square = (local.value + carried).max(0.5 * local.error);
     let [least, most] = residual.range().map(|x| x * grows);
     let high = square - carried + most + 2.0 * local.error;
-    let low = (square - carried + least - 1.5 * local.error).max(square / 4.0);
+    // Direct light's rounds are drawn evenly: it may be as good as half of what their scatter says.
+    let direct = over(|t| t.direct).value;
+    let low = (square - carried + least - 0.75 * direct - 1.5 * local.error).max(square / 4.0);
 
     let between = over(|t| if t.gathered { 0.0 } else { t.square }).value.max(0.0);
     let rays = evidence.noise.map(|noise| noise.min(between));
@@ -286,7 +288,7 @@ fn conclude(tests: &[Test], unscale: f64, params: &Params, solved: Solved, evide
             rays: rays.map(of_mean),
             cells: cells.map(of_mean),
             nodes: Some(of_mean(nodes)),
-            direct: exact.then(|| of_mean(over(|t| t.direct).value)),
+            direct: exact.then(|| of_mean(direct)),
             gather: gathers.then(|| of_mean(over(|t| if t.gathered { t.square } else { 0.0 }).value)),
             carried: params.bounces.is_none().then(|| of_mean(carried)),
             solver: params.bounces.is_none().then_some(solved.error_bound),
