@@ -36,6 +36,8 @@
 //!
 //! `cli`, a default feature, is the program; `--no-default-features` builds the library alone.
 
+#[doc(hidden)]
+pub mod accuracy;
 pub mod bake;
 mod baker;
 pub mod checkpoint;

@@ -1,6 +1,7 @@
 //! One bake of one method, and what it costs.
 
-use raycell::output::points;
+use raycell::accuracy::norms::rrmse;
+use raycell::accuracy::truth::Truth;
 use raycell::radiosity::patches::{Mesh, display};
 use raycell::twin::trace::{barycentric, surface_point};
 use raycell::{Answer, Backend, Flow, Method, Params, Result, Scene, Status, SurfacePoint, bake};
@@ -30,11 +31,8 @@ impl Case {
 
     /// A scene, and a CSV with px,py,pz,nx,ny,nz,B_r,B_g,B_b first.
     pub fn new(name: &str, scene: &Path, truth: &Path) -> Result<Case> {
-        let points = points::read(truth)?;
-        let text = std::fs::read_to_string(truth).unwrap_or_default();
-        let columns = |row: &str| row.split(',').skip(6).take(3).map(|x| x.parse().unwrap_or(f64::NAN)).collect::<Vec<f64>>();
-        let truth = text.lines().skip(1).map(|row| columns(row).try_into().unwrap_or([f64::NAN; 3])).collect();
-        Ok(Case { name: name.into(), scene: Scene::load(scene)?, points, truth })
+        let Truth { points, b, .. } = Truth::read(truth)?;
+        Ok(Case { name: name.into(), scene: Scene::load(scene)?, points, truth: b })
     }
 }
 
@@ -55,13 +53,6 @@ pub struct Run {
     /// Seconds of the bake, without the read-out.
     pub seconds: f64,
     pub imbalance: f64,
-}
-
-/// sqrt(mean (B - B*)^2)/mean(B*) over points and bands.
-fn rrmse(b: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
-    let square: f64 = b.iter().flatten().zip(truth.iter().flatten()).map(|(b, t)| (b - t).powi(2)).sum();
-    let n = 3.0 * b.len() as f64;
-    (square / n).sqrt() / (truth.iter().flatten().sum::<f64>() / n)
 }
 
 /// Bakes and asks at the truth's points.

@@ -76,13 +76,13 @@ impl Key {
     }
 }
 
-fn bytes<T: Pod>(records: &[T]) -> &[u8] {
+pub(crate) fn bytes<T: Pod>(records: &[T]) -> &[u8] {
     bytemuck::cast_slice(records)
 }
 
 /// FNV-1a over 64 bits: tells a changed scene from the same one, and stays what it is from compiler to
 /// compiler, unlike std's hashes.
-fn digest(parts: &[&[u8]]) -> String {
+pub(crate) fn digest(parts: &[&[u8]]) -> String {
     let hash =
         parts.iter().copied().flatten().fold(0xcbf2_9ce4_8422_2325u64, |h, &b| (h ^ b as u64).wrapping_mul(0x100_0000_01b3));
     format!("{hash:016x}")

@@ -9,7 +9,7 @@ mod file;
 mod key;
 
 pub(crate) use assemble::unread;
-pub(crate) use key::Key;
+pub(crate) use key::{Key, bytes, digest};
 
 use crate::error::{Error, Result};
 use crate::layout::{DirectSum, Node, NodeLight};

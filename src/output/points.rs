@@ -126,7 +126,7 @@ pub fn write(path: &Path, points: &[SurfacePoint], answers: &[Answer]) -> Result
 }
 
 /// Shortest text that reads back as the same number.
-fn number(x: f64) -> String {
+pub(crate) fn number(x: f64) -> String {
     let text = format!("{x:?}");
     text.strip_suffix(".0").map(str::to_string).unwrap_or(text)
 }

@@ -7,7 +7,7 @@
 use super::emit::first_hit;
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
 use super::sobol::sobol4;
-use super::trace::{place_on, position, segment_blocked};
+use super::trace::{Hit, place_on, position, segment_blocked};
 use crate::layout::{DirectSum, NONE, Point, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
@@ -22,24 +22,45 @@ pub struct Samples {
     pub cosine: u32,
 }
 
+/// What one sample (u, v) of the emitters' area brings to a surface point, beside cosine directions: E G / (n_e p + n_c G).
+pub fn from_emitter(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: Samples) -> Vec3 {
+    let here = &geometry.tris[tri as usize];
+    let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u);
+    let emitter = geometry.emitters[e as usize];
+    let there = &geometry.tris[emitter.tri as usize];
+    let (b1, b2) = place_on(geometry.flatland, place, unit(v));
+    let x = position(there, b1, b2);
+    let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, Vec3::from(here.normal));
+    if g > 0.0 && there.plane != here.plane && !segment_blocked(geometry, p, x, [here.plane, there.plane]) {
+        let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
+        return Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
+    }
+    Vec3::ZERO
+}
+
+/// What a cosine direction from a point of normal `n` brings straight from the front face that it meets, beside samples
+/// of the emitters' area: E G / (n_e p + n_c G).
+pub fn from_direction(geometry: &Geometry, n: Vec3, direction: Vec3, hit: &Hit, samples: Samples) -> Vec3 {
+    let there = &geometry.tris[hit.tri as usize];
+    let emit = Vec3::from(geometry.materials[there.material as usize].emit);
+    let total = emit.x + emit.y + emit.z;
+    if total > 0.0 {
+        let cos_y = n.dot(direction);
+        let cos_x = -Vec3::from(there.normal).dot(direction);
+        let g = geometric(geometry.flatland, cos_x, cos_y, hit.t);
+        let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
+        return emit * (g / (ne * total * geometry.emitter_density + nc * g));
+    }
+    Vec3::ZERO
+}
+
 /// One round's estimate of D at a surface point.
 pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samples: Samples) -> Vec3 {
-    let here = &geometry.tris[tri as usize];
-    let n = Vec3::from(here.normal);
-    let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
+    let n = Vec3::from(geometry.tris[tri as usize].normal);
     let mut sum = Vec3::ZERO;
     for k in round * samples.emitter..(round + 1) * samples.emitter {
-        // Sample the emitters' area.
         let u = sobol4(k, seed);
-        let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
-        let emitter = geometry.emitters[e as usize];
-        let there = &geometry.tris[emitter.tri as usize];
-        let (b1, b2) = place_on(geometry.flatland, place, unit(u[1]));
-        let x = position(there, b1, b2);
-        let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, n);
-        if g > 0.0 && there.plane != here.plane && !segment_blocked(geometry, p, x, [here.plane, there.plane]) {
-            sum += Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
-        }
+        sum += from_emitter(geometry, tri, p, u[0], u[1], samples);
     }
     for k in round * samples.cosine..(round + 1) * samples.cosine {
         // Sample the cosine; only front faces of emitters count.
@@ -47,15 +68,7 @@ pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samp
         let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
         let (met, hit) = first_hit(geometry, tri, p, direction);
         if met == kind::FRONT {
-            let there = &geometry.tris[hit.tri as usize];
-            let emit = Vec3::from(geometry.materials[there.material as usize].emit);
-            let total = emit.x + emit.y + emit.z;
-            if total > 0.0 {
-                let cos_y = n.dot(direction);
-                let cos_x = -Vec3::from(there.normal).dot(direction);
-                let g = geometric(geometry.flatland, cos_x, cos_y, hit.t);
-                sum += emit * (g / (ne * total * geometry.emitter_density + nc * g));
-            }
+            sum += from_direction(geometry, n, direction, &hit, samples);
         }
     }
     sum

@@ -1,8 +1,9 @@
 //! What the test binaries share; each uses a part of it.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
+pub use raycell::accuracy::norms::{rrmse, rrmse_without};
+use raycell::accuracy::truth::Flag;
 use raycell::gpu::{Gpu, device};
-use raycell::output::points;
 use raycell::scene::Geometry;
 use raycell::{Answer, Scene, SurfacePoint};
 use std::f64::consts::PI;
@@ -44,14 +45,9 @@ pub struct Truth {
 
 /// The truth in `tests/data`.
 pub fn truth(scene: &str) -> Truth {
-    let path = root(&format!("tests/data/{scene}.truth.csv"));
-    let (mut b, mut good) = (Vec::new(), Vec::new());
-    for row in std::fs::read_to_string(&path).unwrap().lines().skip(1) {
-        let cells: Vec<&str> = row.split(',').collect();
-        b.push([6, 7, 8].map(|k| cells[k].parse().unwrap()));
-        good.push(cells[12] == "0");
-    }
-    Truth { points: points::read(&path).unwrap(), b, good }
+    let truth = raycell::accuracy::truth::Truth::read(&root(&format!("tests/data/{scene}.truth.csv"))).unwrap();
+    let good = truth.flags.iter().map(|f| *f == Flag::Good).collect();
+    Truth { points: truth.points, b: truth.b, good }
 }
 
 /// What a scene emits at points on it: radiosity, W/m² a band.
@@ -66,19 +62,4 @@ pub fn emitted(scene: &Scene, points: &[SurfacePoint]) -> Vec<[f64; 3]> {
 
 pub fn radiosity(answers: &[Answer]) -> Vec<[f64; 3]> {
     answers.iter().map(|a| a.b).collect()
-}
-
-/// sqrt(mean (B - B*)^2)/mean(B*) over points and bands, without the `drop` worst points.
-pub fn rrmse_without(b: &[[f64; 3]], truth: &[[f64; 3]], drop: usize) -> f64 {
-    let mut order: Vec<(f64, usize)> = (0..b.len()).map(|i| ((0..3).map(|k| (b[i][k] - truth[i][k]).powi(2)).sum(), i)).collect();
-    order.sort_by(|x, y| x.0.total_cmp(&y.0));
-    order.truncate(b.len() - drop);
-    let n = 3.0 * order.len() as f64;
-    let level = order.iter().map(|&(_, i)| truth[i].iter().sum::<f64>()).sum::<f64>() / n;
-    (order.iter().map(|o| o.0).sum::<f64>() / n).sqrt() / level
-}
-
-/// As [`rrmse_without`], over all points.
-pub fn rrmse(b: &[[f64; 3]], truth: &[[f64; 3]]) -> f64 {
-    rrmse_without(b, truth, 0)
 }

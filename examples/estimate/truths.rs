@@ -1,0 +1,71 @@
+//! Scenes with their truths: the shipped ones, and random ones by path tracing.
+
+use crate::{Outcome, scenes};
+use raycell::accuracy::reference::{Goal, Reference, sample_points};
+use raycell::accuracy::truth::Truth;
+use raycell::progress::Progress;
+use raycell::scene::Geometry;
+use raycell::{Event, Flow, Scene};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Points of a truth.
+const POINTS: usize = 512;
+/// Noise of a truth: half of the least error that is to be seen by it.
+const NOISE: f64 = 0.004;
+/// Time that a truth may take; its noise is what it is then, and taken out of every error.
+const TIME: Duration = Duration::from_secs(28);
+/// The shipped scenes in three dimensions with a truth.
+const SHIPPED: [&str; 6] = ["cornell", "cornell_tess", "blocker", "furnace", "corridor", "city"];
+
+/// A scene and its truth.
+pub struct Case {
+    pub name: String,
+    pub scene: Scene,
+    pub truth: Truth,
+}
+
+fn root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The shipped scenes that have a truth.
+pub fn shipped() -> Outcome<Vec<Case>> {
+    let case = |name: &&str| -> Outcome<Case> {
+        let scene = Scene::load(root(&format!("scenes/{name}/scene.obj")))?;
+        Ok(Case { name: name.to_string(), scene, truth: Truth::read(&root(&format!("tests/data/{name}.truth.csv")))? })
+    };
+    SHIPPED.iter().map(case).collect()
+}
+
+/// The random scene of a seed. Its truth is made where it is not there, or is of an earlier generator.
+pub fn random(seed: u32) -> Outcome<Case> {
+    let scene = scenes::scene(seed)?;
+    let geometry = Geometry::new(&scene)?;
+    let points = sample_points(&geometry, POINTS, seed);
+    let folder = root("target/estimate");
+    std::fs::create_dir_all(&folder)?;
+    let (path, state) = (folder.join(format!("{seed}.truth.csv")), folder.join(format!("{seed}.json")));
+    if let Ok(truth) = Truth::read(&path)
+        && truth.points == points
+    {
+        return Ok(Case { name: format!("random {seed}"), scene, truth });
+    }
+    let mut reference = Reference::new(&scene, &geometry, &path, points, seed)?;
+    // Of an earlier scene of this seed: begun anew.
+    if reference.resume(&state).is_err() {
+        std::fs::remove_file(&state)?;
+    }
+    let start = Instant::now();
+    let goal = Goal { noise: NOISE, time: Some(TIME), ..Goal::default() };
+    reference.run(goal, &mut Progress::new(&mut |_: &Event| Flow::Continue))?;
+    let truth = reference.truth();
+    truth.write(&path)?;
+    eprintln!(
+        "truth of {seed}: {} paths a point, noise {:.2} %, {:.0} s",
+        reference.paths(),
+        100.0 * truth.noise(),
+        start.elapsed().as_secs_f64()
+    );
+    Ok(Case { name: format!("random {seed}"), scene, truth })
+}

@@ -1,0 +1,456 @@
+//! A truth of our own: radiosity at surface points by path tracing, in plain Rust on all cores.
+//!
+//! It knows nothing of nodes and cells, and has no bias: E is known, D is sampled by itself (multiple importance
+//! sampling of the emitters' area and of cosine directions, [`crate::twin::direct`]), all other light by paths that do
+//! the same at each of their ends and that Russian roulette breaks off (Veach 1997, 9 and 10). The error is noise alone,
+//! measured between independent batches. Batches have sequences of their own and add up in their order, in f64: the
+//! same seed gives the same bytes on any number of threads, stopped in between or not.
+
+use super::truth::{Flag, Truth, flag_of};
+use crate::checkpoint::{bytes, digest};
+use crate::error::{Error, Result};
+use crate::layout::kind;
+use crate::output::atomic;
+use crate::progress::{Event, Progress};
+use crate::scene::{Geometry, Scene};
+use crate::solution::SurfacePoint;
+use crate::twin::direct::{Samples, from_direction, from_emitter, round};
+use crate::twin::emit::first_hit;
+use crate::twin::math::{cosine_direction, seed_of, unit};
+use crate::twin::sobol::sobol4;
+use crate::twin::trace::{place_on, position};
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Paths of a batch at a point: a power of two, so that their first directions are stratified.
+pub const PATHS: u32 = 128;
+/// Direct samples of a batch.
+const DIRECT: Samples = Samples { emitter: 128, cosine: 128 };
+/// Samples at the ends of a path; the cosine direction is also the way on.
+const END: Samples = Samples { emitter: 1, cosine: 1 };
+/// Fewest batches: a standard error from fewer means little.
+const FEWEST: u32 = 16;
+/// Reflections before roulette begins.
+const SURE: u32 = 2;
+/// Most likely a path goes on: also at reflectance 1 it comes to an end.
+const GO_ON: f32 = 0.97;
+/// Batches in flight.
+const IN_FLIGHT: usize = 256;
+/// Cosine rays that tell whether a point is covered.
+const PROBES: u32 = 64;
+
+/// When a reference is good enough; the first that is met ends it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// sqrt(mean stderr²) over the mean radiosity.
+    pub noise: f64,
+    /// Paths a point.
+    pub paths: u64,
+    /// Time of this call.
+    pub time: Option<Duration>,
+}
+
+impl Default for Goal {
+    fn default() -> Goal {
+        Goal { noise: 0.005, paths: u64::MAX, time: None }
+    }
+}
+
+/// A surface point as the passes know it.
+#[derive(Clone, Copy)]
+struct Spot {
+    tri: u32,
+    p: Vec3,
+}
+
+/// Sums over the batches, a point each: irradiance, scaled W/m² a band, and its squares.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    /// What it is of: scene, points and seed.
+    of: String,
+    batches: u32,
+    sum: Vec<[f64; 3]>,
+    square: Vec<[f64; 3]>,
+}
+
+/// A reference in the making.
+pub struct Reference<'a> {
+    scene: &'a Scene,
+    geometry: &'a Geometry,
+    points: Vec<SurfacePoint>,
+    spots: Vec<Spot>,
+    seed: u32,
+    state: State,
+}
+
+impl<'a> Reference<'a> {
+    /// Begins one at given points. Errors: [`Error::Format`] naming `place` for a point that lies off every surface.
+    pub fn new(
+        scene: &'a Scene,
+        geometry: &'a Geometry,
+        place: &Path,
+        points: Vec<SurfacePoint>,
+        seed: u32,
+    ) -> Result<Reference<'a>> {
+        let mut spots = Vec::with_capacity(points.len());
+        for (i, point) in points.iter().enumerate() {
+            let at = geometry.locate(point.p, point.n).ok_or_else(|| Error::Format {
+                path: place.into(),
+                line: None,
+                what: format!("point {i} (from 0) at {:?} lies off every surface", point.p),
+                cure: "give points of this scene, in metres, with the normal of their surface".into(),
+            })?;
+            spots.push(Spot { tri: at.tri, p: Vec3::from(at.p) });
+        }
+        let coordinates: Vec<f64> = points.iter().flat_map(|p| p.p.into_iter().chain(p.n)).collect();
+        let of = digest(&[
+            bytes(&geometry.tris),
+            bytes(&geometry.materials),
+            bytes(&[geometry.scale, geometry.emission_scale, geometry.arrives]),
+            bytes(&coordinates),
+            bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine]),
+        ]);
+        let none = vec![[0.0; 3]; points.len()];
+        let state = State { of, batches: 0, sum: none.clone(), square: none };
+        Ok(Reference { scene, geometry, points, spots, seed, state })
+    }
+
+    /// Goes on from where [`Reference::save`] was called; from the beginning where `path` is not there.
+    ///
+    /// Errors: [`Error::Read`]; [`Error::Format`] where the file is of another reference.
+    pub fn resume(&mut self, path: &Path) -> Result<()> {
+        let fail = |what: String| Error::Format { path: path.into(), line: None, what, cure: "delete it to start anew".into() };
+        let text = match std::fs::read(path) {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+            read => read.map_err(|source| Error::Read { path: path.into(), source })?,
+        };
+        let state: State = serde_json::from_slice(&text).map_err(|e| fail(e.to_string()))?;
+        if state.of != self.state.of || state.sum.len() != self.points.len() || state.square.len() != self.points.len() {
+            return Err(fail("this reference is of another scene, other points or another seed".into()));
+        }
+        self.state = state;
+        Ok(())
+    }
+
+    /// Keeps what has been found. Errors: [`Error::Write`].
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let text =
+            serde_json::to_vec(&self.state).map_err(|e| Error::Write { path: path.into(), source: std::io::Error::other(e) })?;
+        atomic::write(path, &text)
+    }
+
+    /// Paths shot at each point.
+    pub fn paths(&self) -> u64 {
+        self.state.batches as u64 * PATHS as u64
+    }
+
+    /// Traces until the goal is met. Tells points' batches as [`Event::Points`]: of how many, where the noise so far
+    /// lets it be foreseen. Errors: [`Error::Cancelled`]; what has been found stays.
+    pub fn run(&mut self, goal: Goal, progress: &mut Progress) -> Result<()> {
+        let start = Instant::now();
+        let most = goal.paths.div_ceil(PATHS as u64).min(u32::MAX as u64 / 2) as u32;
+        // A reference of few points runs several batches at a time.
+        let step = (IN_FLIGHT / self.points.len().max(1)).max(1) as u32;
+        while self.state.batches < most.max(2) {
+            if self.state.batches >= FEWEST.min(most) {
+                let noise = self.truth().noise();
+                let late = goal.time.is_some_and(|time| start.elapsed() >= time);
+                if noise <= goal.noise || late {
+                    return Ok(());
+                }
+                // Noise falls with the root of the batches.
+                let wanted = (self.state.batches as f64 * (noise / goal.noise).powi(2)).min(most as f64) as u64;
+                let n = self.points.len() as u64;
+                progress.event(Event::Points { done: self.state.batches as u64 * n, total: wanted * n })?;
+            } else {
+                progress.tick()?;
+            }
+            self.batch(step.min(most.max(2) - self.state.batches));
+        }
+        Ok(())
+    }
+
+    /// Adds `count` batches at every point.
+    fn batch(&mut self, count: u32) {
+        let (first, n) = (self.state.batches, self.spots.len());
+        let found: Vec<[f64; 3]> = (0..n * count as usize)
+            .into_par_iter()
+            .map(|k| {
+                let (i, batch) = (k % n, first + (k / n) as u32);
+                batch_at(self.geometry, self.spots[i], seed_of(seed_of(self.seed, i as u32), batch))
+            })
+            .collect();
+        for (k, h) in found.into_iter().enumerate() {
+            for band in 0..3 {
+                self.state.sum[k % n][band] += h[band];
+                self.state.square[k % n][band] += h[band] * h[band];
+            }
+        }
+        self.state.batches += count;
+    }
+
+    /// What is known so far.
+    pub fn truth(&self) -> Truth {
+        let m = self.state.batches.max(1) as f64;
+        let unscale = self.geometry.arrives / self.geometry.emission_scale;
+        let mut truth = Truth { points: self.points.clone(), ..Truth::default() };
+        for (i, spot) in self.spots.iter().enumerate() {
+            let material = &self.scene.materials[self.geometry.tris[spot.tri as usize].material as usize];
+            let (sum, square) = (self.state.sum[i], self.state.square[i]);
+            let b = [0, 1, 2].map(|k| PI * material.emission[k] + material.reflectance[k] * sum[k] / m * unscale);
+            let stderr = [0, 1, 2].map(|k| {
+                let mean = sum[k] / m;
+                let variance = (square[k] / m - mean * mean).max(0.0) / (m - 1.0).max(1.0);
+                material.reflectance[k] * unscale * variance.sqrt()
+            });
+            truth.b.push(b);
+            truth.stderr.push(stderr);
+            truth.flags.push(if b == [0.0; 3] { Flag::Covered } else { flag_of(b, stderr) });
+        }
+        truth
+    }
+}
+
+/// `count` points of a scene, uniform over the area that reflects or emits, stratified, covered places left out.
+///
+/// Fewer where most of the surface is covered.
+pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<SurfacePoint> {
+    let areas: Vec<f64> = (0..geometry.tris.len()).map(|t| if geometry.is_live(t) { geometry.areas[t] } else { 0.0 }).collect();
+    let total: f64 = areas.iter().sum();
+    let mut ends = Vec::with_capacity(areas.len());
+    let mut sum = 0.0;
+    for area in &areas {
+        sum += area;
+        ends.push(sum);
+    }
+    let mut points = Vec::with_capacity(count);
+    for i in 0..8 * count as u32 {
+        if points.len() == count || total <= 0.0 {
+            break;
+        }
+        let u = sobol4(i, seed);
+        let at = (u[0] as f64 + 0.5) / 4294967296.0 * total;
+        let t = ends.partition_point(|&end| end <= at).min(areas.len() - 1);
+        if areas[t] <= 0.0 {
+            continue;
+        }
+        let place = (1.0 - (ends[t] - at) / areas[t]).clamp(0.0, 0.999_999_9);
+        let tri = &geometry.tris[t];
+        let (b1, b2) = place_on(geometry.flatland, place as f32, unit(u[1]));
+        let p = position(tri, b1, b2);
+        if !is_covered(geometry, t as u32, p, seed_of(seed, i)) {
+            let world = [0, 1, 2].map(|k| p[k] as f64 / geometry.scale + geometry.center[k]);
+            let n = tri.normal.map(f64::from);
+            // Only what a query finds again.
+            if geometry.locate(world, n).is_some_and(|found| geometry.tris[found.tri as usize].plane == tri.plane) {
+                points.push(SurfacePoint { p: world, n });
+            }
+        }
+    }
+    points
+}
+
+/// No front face in sight, back faces in a quarter of all directions: no light can come.
+fn is_covered(geometry: &Geometry, tri: u32, p: Vec3, seed: u32) -> bool {
+    let n = Vec3::from(geometry.tris[tri as usize].normal);
+    let mut back = 0;
+    for k in 0..PROBES {
+        let u = sobol4(k, seed);
+        match first_hit(geometry, tri, p, cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]))).0 {
+            kind::FRONT => return false,
+            kind::BACK => back += 1,
+            _ => (),
+        }
+    }
+    4 * back >= PROBES
+}
+
+/// Irradiance at a point by one batch, scaled W/m².
+fn batch_at(geometry: &Geometry, spot: Spot, seed: u32) -> [f64; 3] {
+    if geometry.emitters.is_empty() {
+        return [0.0; 3];
+    }
+    let mut sum = [0.0; 3];
+    for k in 0..PATHS {
+        let light = path(geometry, spot, sobol4(k, seed), Random::new(seed, k));
+        for band in 0..3 {
+            sum[band] += light[band] as f64;
+        }
+    }
+    let direct = round(geometry, spot.tri, spot.p, seed_of(seed, PATHS), 0, DIRECT);
+    [0, 1, 2].map(|k| direct[k] as f64 + sum[k] / PATHS as f64)
+}
+
+/// What one path brings, direct light at its start apart. `u` draws its first direction and the first emitter sample.
+fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec3 {
+    let (mut light, mut through) = (Vec3::ZERO, Vec3::ONE);
+    let mut at = from;
+    let mut turn = [u[0], u[1]];
+    let mut lamp = [u[2], u[3]];
+    for reflections in 0u32.. {
+        let n = Vec3::from(geometry.tris[at.tri as usize].normal);
+        let direction = cosine_direction(geometry.flatland, n, unit(turn[0]), unit(turn[1]));
+        let (met, hit) = first_hit(geometry, at.tri, at.p, direction);
+        if met != kind::FRONT {
+            break;
+        }
+        // The start's direct light is sampled apart.
+        if reflections > 0 {
+            light += through * from_direction(geometry, n, direction, &hit, END);
+        }
+        let there = &geometry.tris[hit.tri as usize];
+        through *= Vec3::from(geometry.materials[there.material as usize].rho);
+        if reflections >= SURE {
+            let stay = through.max_element().min(GO_ON);
+            if random.unit() >= stay {
+                break;
+            }
+            through /= stay;
+        } else if through == Vec3::ZERO {
+            break;
+        }
+        at = Spot { tri: hit.tri, p: position(there, hit.b1, hit.b2) };
+        light += through * from_emitter(geometry, at.tri, at.p, lamp[0], lamp[1], END);
+        turn = [random.next(), random.next()];
+        lamp = [random.next(), random.next()];
+    }
+    light
+}
+
+/// Random numbers of a path beyond its first end (SplitMix64; Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    fn new(seed: u32, path: u32) -> Random {
+        Random((seed as u64) << 32 | path as u64)
+    }
+
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ x >> 31) >> 32) as u32
+    }
+
+    fn unit(&mut self) -> f32 {
+        unit(self.next())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::norms::rrmse;
+    use super::*;
+    use crate::progress::Flow;
+    use crate::scene::Material;
+
+    fn shipped(name: &str) -> (Scene, Truth) {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let scene = match name.strip_prefix("flatland_") {
+            Some(flat) => root.join(format!("scenes/flatland/{flat}.toml")),
+            None => root.join(format!("scenes/{name}/scene.obj")),
+        };
+        (Scene::load(scene).unwrap(), Truth::read(&root.join(format!("tests/data/{name}.truth.csv"))).unwrap())
+    }
+
+    fn traced(scene: &Scene, points: &[SurfacePoint], paths: u64) -> Truth {
+        let geometry = Geometry::new(scene).unwrap();
+        let mut reference = Reference::new(scene, &geometry, Path::new("points"), points.to_vec(), 5).unwrap();
+        let mut tell = |_: &Event| Flow::Continue;
+        reference.run(Goal { noise: 0.0, paths, time: None }, &mut Progress::new(&mut tell)).unwrap();
+        reference.truth()
+    }
+
+    /// In units of both standard errors: the root mean square over all bands and the mean, which a bias would show in.
+    fn apart(a: &Truth, b: &Truth) -> [f64; 2] {
+        let z: Vec<f64> = (0..a.b.len())
+            .filter(|&i| b.flags[i] != Flag::Covered)
+            .map(|i| {
+                let sum = |x: &[f64; 3]| x.iter().sum::<f64>();
+                // Bands share their paths.
+                let scatter = (sum(&a.stderr[i]).powi(2) + sum(&b.stderr[i]).powi(2)).sqrt();
+                (sum(&a.b[i]) - sum(&b.b[i])) / scatter
+            })
+            .collect();
+        let n = z.len() as f64;
+        [(z.iter().map(|z| z * z).sum::<f64>() / n).sqrt(), z.iter().sum::<f64>() / n]
+    }
+
+    /// A closed room whose walls all shine: B = E/(1 - rho) everywhere.
+    #[test]
+    fn it_meets_the_furnace() {
+        for rho in [0.5, 0.9] {
+            let v = |i: usize| [0, 1, 2].map(|k| (i >> k & 1) as f64);
+            let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
+            let walls: Vec<_> =
+                quads.iter().flat_map(|&[a, b, c, d]: &[usize; 4]| [([v(a), v(b), v(c)], 0), ([v(a), v(c), v(d)], 0)]).collect();
+            let scene = Scene::from_triangles("furnace", &walls, vec![Material::new("all", [rho; 3], [1.0, 0.5, 2.0])]).unwrap();
+            let geometry = Geometry::new(&scene).unwrap();
+            let points = sample_points(&geometry, 64, 1);
+            assert_eq!(points.len(), 64);
+            let truth = traced(&scene, &points, 4096);
+            let exact = [1.0, 0.5, 2.0].map(|e| PI * e / (1.0 - rho));
+            let known = Truth { b: vec![exact; 64], stderr: vec![[0.0; 3]; 64], ..truth.clone() };
+            let [rms, mean] = apart(&truth, &known);
+            eprintln!("rho {rho}: rms {rms:.2}, mean {mean:+.2} standard errors, noise {:.5}", truth.noise());
+            // 64 points: the root mean square scatters by 1/sqrt(128) (+ 1/sqrt(64) for the batches'), the mean by 1/8.
+            assert!(rms < 1.4 && mean.abs() < 0.45, "{rms} {mean}");
+            assert!(truth.noise() < 0.02 && rrmse(&truth.b, &known.b) < 0.02);
+        }
+    }
+
+    /// The shipped truths were made by another program.
+    #[test]
+    fn it_meets_the_shipped_truths() {
+        for name in ["cornell", "blocker", "flatland_box", "flatland_l_room"] {
+            let (scene, known) = shipped(name);
+            let truth = traced(&scene, &known.points, 3072);
+            let [rms, mean] = apart(&truth, &known);
+            let error = rrmse(&truth.b, &known.b);
+            eprintln!("{name}: rms {rms:.2}, mean {mean:+.3} standard errors; RRMSE {error:.5}, noise {:.5}", truth.noise());
+            // 24 batches: 512 standardised differences have a root mean square of 1.05 +- .04, and a mean of 0 +- .05.
+            assert!(rms < 1.25 && mean.abs() < 0.2, "{name}: {rms} {mean}");
+            let covered = |t: &Truth| t.flags.iter().filter(|f| **f == Flag::Covered).count();
+            assert_eq!(covered(&truth), covered(&known), "{name}");
+        }
+    }
+
+    #[test]
+    fn threads_and_stops_do_not_show() {
+        let (scene, known) = shipped("cornell");
+        let geometry = Geometry::new(&scene).unwrap();
+        let points: Vec<SurfacePoint> = known.points[..40].to_vec();
+        let goal = |paths| Goal { noise: 0.0, paths, time: None };
+        let mut tell = |_: &Event| Flow::Continue;
+        let begin = || Reference::new(&scene, &geometry, Path::new("points"), points.clone(), 9).unwrap();
+        let mut whole = begin();
+        whole.run(goal(24 * PATHS as u64), &mut Progress::new(&mut tell)).unwrap();
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("reference.json");
+        let mut first = begin();
+        first.run(goal(7 * PATHS as u64), &mut Progress::new(&mut tell)).unwrap();
+        first.save(&path).unwrap();
+        let mut second = begin();
+        second.resume(&path).unwrap();
+        assert_eq!(second.paths(), 7 * PATHS as u64);
+        one.install(|| second.run(goal(24 * PATHS as u64), &mut Progress::new(&mut |_| Flow::Continue))).unwrap();
+        assert_eq!(second.state, whole.state);
+        let mut other = Reference::new(&scene, &geometry, Path::new("points"), points.clone(), 10).unwrap();
+        assert!(other.resume(&path).unwrap_err().to_string().contains("another seed"));
+        // A stop keeps what there is.
+        let mut stopped = begin();
+        let stop = stopped.run(
+            goal(u64::MAX),
+            &mut Progress::new(&mut |e| match e {
+                Event::Points { done, .. } if *done > 0 => Flow::Stop,
+                _ => Flow::Continue,
+            }),
+        );
+        assert!(matches!(stop, Err(Error::Cancelled)) && stopped.paths() > 0);
+    }
+}
