@@ -286,13 +286,16 @@ impl Params {
         let usual = Params::default();
         let rays = Self::rays_of(rung);
         let size = f64::from(rays) / f64::from(usual.rays);
-        let times = |x: u32| (f64::from(x) * size) as u32;
+        let times = |x: u32, size: f64| (f64::from(x) * size) as u32;
+        let gathers = times(usual.gather_rays, size.sqrt()).clamp(64, 4_096).next_power_of_two();
+        let near = if self.gather_threshold == usual.gather_threshold { size.powf(0.25).min(1.0) } else { 1.0 };
         Params {
             rays,
             cells: if self.mode == Mode::Paper { Some((rays / 32).clamp(16, 100_000)) } else { self.cells },
             direct_tolerance: (usual.direct_tolerance / size.sqrt()).clamp(0.001, 0.03),
-            direct_samples: times(usual.direct_samples).clamp(256, 65_536),
-            gather_rays: if self.gather_rays > 0 { times(usual.gather_rays).clamp(128, 4_096) } else { 0 },
+            direct_samples: times(usual.direct_samples, size).clamp(256, 65_536),
+            gather_rays: if self.gather_rays > 0 { gathers } else { 0 },
+            gather_threshold: self.gather_threshold * near,
             patches: ((f64::from(usual.patches) * size.sqrt()) as u32).clamp(4, 32_768),
             ..self.clone()
         }

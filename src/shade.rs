@@ -8,14 +8,19 @@ use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
+use crate::twin::gather::Gathered;
 use crate::twin::math::seed_of;
 
 /// Points in flight.
 const CHUNK: usize = 32_768;
 /// Most gather rays in flight.
 const HITS: usize = 262_144;
-/// Samples of a round of direct light at a shown point.
+/// Samples of a round of direct light at a shown point. The split into rounds tells the scatter; it changes no estimate.
 const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
+/// The same where few samples are allowed.
+const SMALL_ROUND: Samples = Samples { emitter: 6, cosine: 2 };
+/// Samples below which rounds are small.
+const FEW_SAMPLES: u32 = 1_024;
 /// Rounds before the error of direct light is looked at.
 const FIRST_ROUNDS: u32 = 8;
 /// Most rays of direct light between two moments at which the caller may stop.
@@ -26,8 +31,10 @@ const HIT: Samples = Samples { emitter: 2, cosine: 1 };
 const CLOSE: f64 = 0.5;
 /// Bounces in a slot before the nodes' light is taken all the same.
 pub(crate) const BOUNCES: u32 = 6;
-/// Rays that tell how near a point's surroundings are, and whether it is covered.
-const PROBES: u32 = 32;
+/// Rays that tell how near a point's surroundings are.
+const NEAR_PROBES: u32 = 8;
+/// Rays that tell whether a dark point is covered.
+const DEAD_PROBES: u32 = 32;
 
 /// Light at a point, scaled W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,10 +56,17 @@ pub(crate) fn shade<E: Engine>(
     points: &[Point],
     progress: &mut Progress,
 ) -> Result<Vec<Shade>> {
-    let mut out = Vec::with_capacity(points.len());
-    for (i, chunk) in points.chunks(CHUNK).enumerate() {
-        out.extend(shade_chunk(engine, params, spacing, chunk, seed_of(params.seed, i as u32), progress)?);
-        progress.event(Event::Points { done: out.len() as u64, total: points.len() as u64 })?;
+    // Those of a tile together: neighbouring invocations then walk the same part of the hierarchy.
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_by_key(|&i| points[i as usize].tile);
+    let mut out = vec![Shade::default(); points.len()];
+    for (i, places) in order.chunks(CHUNK).enumerate() {
+        let chunk: Vec<Point> = places.iter().map(|&i| points[i as usize]).collect();
+        let shades = shade_chunk(engine, params, spacing, &chunk, seed_of(params.seed, i as u32), progress)?;
+        for (&i, shade) in places.iter().zip(shades) {
+            out[i as usize] = shade;
+        }
+        progress.event(Event::Points { done: (i * CHUNK + places.len()) as u64, total: points.len() as u64 })?;
     }
     Ok(out)
 }
@@ -83,27 +97,26 @@ fn shade_chunk<E: Engine>(
         vec![DirectSum::default(); points.len()]
     };
 
-    // Look around: who is covered, who sits in a slot?
-    let mut near = Vec::new();
-    let mut shades: Vec<Shade> = Vec::new();
+    // Look around: who sits in a slot?
+    let gathers = gathers(params);
+    let all: Vec<u32> = (0..points.len() as u32).collect();
     let probe_seed = stream(seed, Stream::PointProbe);
-    let step = HITS / PROBES as usize;
-    for (c, chunk) in points.chunks(step).enumerate() {
-        let from = engine.upload(chunk)?;
-        let hits = engine.shoot(&from, seed_of(probe_seed, c as u32), 0, PROBES)?;
-        near.extend(engine.gather(&hits, PROBES, false, false)?);
-        progress.tick()?;
+    let near = if gathers { probe(engine, points, &all, probe_seed, NEAR_PROBES, progress)? } else { Vec::new() };
+    // And who is covered? Only where no emitter is seen.
+    let direct: Vec<[f64; 3]> = direct.iter().map(|d| d.mean().map(f64::from)).collect();
+    let dark: Vec<u32> = all.into_iter().filter(|&i| direct[i as usize] == [0.0; 3]).collect();
+    let mut covered = vec![false; points.len()];
+    for (&i, seen) in dark.iter().zip(probe(engine, points, &dark, seed_of(probe_seed, DEAD_PROBES), DEAD_PROBES, progress)?) {
+        covered[i as usize] = seen.is_dead();
     }
     let mut wanted = Vec::new();
-    let gathers = gathers(params);
+    let mut shades: Vec<Shade> = Vec::new();
     for i in 0..points.len() {
-        let d = direct[i].mean().map(f64::from);
-        let covered = near[i].is_dead() && d == [0.0; 3];
-        let irradiance = [0, 1, 2].map(|k| if covered { 0.0 } else { d[k] + network[i][k] as f64 });
-        if gathers && !covered && wants_gather(params, spacing, near[i].nearness, &psi[i]) {
+        let irradiance = [0, 1, 2].map(|k| if covered[i] { 0.0 } else { direct[i][k] + network[i][k] as f64 });
+        if gathers && !covered[i] && wants_gather(params, spacing, near[i].nearness, &psi[i]) {
             wanted.push(i);
         }
-        shades.push(Shade { direct: d, irradiance, covered });
+        shades.push(Shade { direct: direct[i], irradiance, covered: covered[i] });
     }
 
     // Final gather where the network is not fine enough.
@@ -205,27 +218,48 @@ pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &P
     nearness as f64 * params.gather_threshold * spacing > 1.0 || psi.is_orphan()
 }
 
-/// Most rounds of direct light at a point.
-fn most_rounds(params: &Params) -> u32 {
-    (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2)
+/// The samples of a round of direct light at a point, and the most rounds.
+fn rounds(params: &Params) -> (Samples, u32) {
+    let round = if params.direct_samples < FEW_SAMPLES { SMALL_ROUND } else { ROUND };
+    (round, (params.direct_samples / (round.emitter + round.cosine)).max(2))
 }
 
-/// Rounds of direct light before its scatter is looked at, and the samples of a round.
-pub(crate) fn first_rounds(params: &Params) -> (u32, Samples) {
-    (FIRST_ROUNDS.min((most_rounds(params) / 8).max(2)), ROUND)
+/// The samples of a round of direct light, and the rounds before its scatter is looked at.
+pub(crate) fn first_rounds(params: &Params) -> (Samples, u32) {
+    let (round, most) = rounds(params);
+    (round, FIRST_ROUNDS.min((most / 8).max(2)))
 }
 
 /// The standard error that direct light will be left with at a point, from its first rounds.
 pub(crate) fn direct_error(params: &Params, first: &DirectSum, network: &[f64; 3]) -> f64 {
     let light = first.mean().iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0 + network.iter().sum::<f64>() / 3.0;
     let (mut error, goal) = (f64::from(first.standard_error()), params.direct_tolerance * light);
-    let mut rounds = first.rounds;
-    while error > goal && rounds < most_rounds(params) {
+    let (mut rounds, most) = (first.rounds, rounds(params).1);
+    while error > goal && rounds < most {
         // As below: what has been shot is doubled.
         rounds *= 2;
         error *= std::f64::consts::FRAC_1_SQRT_2;
     }
     error
+}
+
+/// What `rays` cosine rays of each of the listed points meet.
+fn probe<E: Engine>(
+    engine: &mut E,
+    points: &[Point],
+    listed: &[u32],
+    seed: u32,
+    rays: u32,
+    progress: &mut Progress,
+) -> Result<Vec<Gathered>> {
+    let mut met = Vec::with_capacity(listed.len());
+    for (c, chunk) in listed.chunks(HITS / rays as usize).enumerate() {
+        let from = engine.upload(&chunk.iter().map(|&i| points[i as usize]).collect::<Vec<_>>())?;
+        let hits = engine.shoot(&from, seed_of(seed, c as u32), 0, rays)?;
+        met.extend(engine.gather(&hits, rays, false, false)?);
+        progress.tick()?;
+    }
+    Ok(met)
 }
 
 /// Samples direct light until its standard error is small against all light at the point.
@@ -238,17 +272,18 @@ fn sample_direct<E: Engine>(
     seed: u32,
     progress: &mut Progress,
 ) -> Result<Vec<DirectSum>> {
-    let most = most_rounds(params);
+    let (round, most) = rounds(params);
+    let rays = round.emitter + round.cosine;
     let mut done = 0;
-    let mut rounds = first_rounds(params).0;
+    let mut rounds = first_rounds(params).1;
     let mut active = all.to_vec();
     loop {
         // Rounds add up in their order, however many are asked for at a time.
         let end = done + rounds;
-        let step = (DIRECT_RAYS / (active.len() as u32 * (ROUND.emitter + ROUND.cosine)).max(1)).max(1);
+        let step = (DIRECT_RAYS / (active.len() as u32 * rays).max(1)).max(1);
         while done < end {
             let rounds = step.min(end - done);
-            engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;
+            engine.direct(batch, Some(&active), seed, done, rounds, round)?;
             engine.finish()?;
             done += rounds;
             progress.tick()?;

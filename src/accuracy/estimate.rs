@@ -22,8 +22,8 @@ use serde::{Deserialize, Serialize};
 
 /// Test rays for each ray of the bake.
 const SHARE: f64 = 0.5;
-/// Rays of each of the two gathers at a test point; half as many in a small bake.
-const HALF: u32 = 512;
+/// Least and most rays of each of the two gathers at a test point.
+const HALF: [u32; 2] = [64, 512];
 /// Least and most test points.
 const POINTS: [u32; 2] = [96, 1_024];
 /// Share of test points that lie where light is.
@@ -104,9 +104,8 @@ pub(crate) fn change(geometry: &Geometry, nodes: &[Node], mass: &[f64], before: 
 
 /// Number of test points for a bake of so many rays, and the rays of each of their gathers.
 fn size(rays: u32) -> (u32, u32) {
-    let rays = f64::from(rays) * SHARE;
-    let half = if rays < f64::from(2 * HALF * POINTS[0]) { HALF / 2 } else { HALF };
-    ((rays / f64::from(2 * half)) as u32, half)
+    let half = (rays / 256).next_power_of_two().clamp(HALF[0], HALF[1]);
+    ((f64::from(rays) * SHARE) as u32 / (2 * half), half)
 }
 
 /// Estimates the error of a solution; `bright` is what each tile sends, where that is known. Errors: those of the
@@ -153,7 +152,7 @@ fn test<E: Engine>(
     engine.readout(&mut batch)?;
     let network = engine.irradiance(&batch)?;
     let psi = engine.psi(&batch)?;
-    let (rounds, samples) = shade::first_rounds(params);
+    let (samples, rounds) = shade::first_rounds(params);
     engine.direct(&mut batch, None, seed(Stream::TestDirect), 0, rounds, samples)?;
     let direct = engine.direct_sums(&batch)?;
     progress.tick()?;
