@@ -32,6 +32,10 @@ const BRIGHT: f64 = 0.5;
 const CHUNK: usize = 256;
 /// Largest share of light that is taken to have been reflected before: what one bounce shows says nothing of more.
 const MOST_INDIRECT: f64 = 0.99;
+/// The interval's lower end is no farther below the estimate than this factor, but for [`MARGIN`].
+const LOWEST: f64 = 1.6;
+/// Variance of an even mean of rounds of direct light over that of a random one.
+const EVEN: f64 = 0.3;
 /// By how much the truth's own points may differ from the tests'.
 const MARGIN: f64 = 1.15;
 /// Regions that are told apart, as a power of two.
@@ -168,13 +172,13 @@ fn test<E: Engine>(
         progress.tick()?;
     }
 
-    let spacing = solution.spacing();
+    let (spacing, judged) = (solution.spacing(), geometry.judged());
     let tests = (0..places.len()).filter_map(|i| {
         let m = geometry.material_at(&places[i]);
         let d = direct[i].mean().map(f64::from);
         let [one, two] = [&halves[0][i], &halves[1][i]];
-        // Black surfaces send what they emit, which is known; covered ones nothing.
-        if m.rho == [0.0; 3] || (one.is_dead() && two.is_dead() && d == [0.0; 3]) {
+        // Covered surfaces send nothing.
+        if !judged(m) || (one.is_dead() && two.is_dead() && d == [0.0; 3]) {
             return None;
         }
         let network = [0, 1, 2].map(|k| f64::from(network[i][k]));
@@ -230,24 +234,14 @@ impl Mean {
         Mean { value, error }
     }
 
-    /// Its square without the part that is scatter.
-    fn square(self) -> f64 {
-        (self.value * self.value - self.error * self.error).max(0.0)
-    }
-
     /// The least and the most that its square may be.
     fn range(self) -> [f64; 2] {
-        [(self.value.abs() - 1.5 * self.error).max(0.0), self.value.abs() + self.error].map(|x| x * x)
+        [(self.value.abs() - 1.5 * self.error).max(0.0), self.value.abs() + 0.75 * self.error].map(|x| x * x)
     }
 }
 
 /// The estimate, its interval and its parts from what was found at the test points.
 fn conclude(tests: &[Test], unscale: f64, params: &Params, solved: Solved, evidence: Evidence) -> EstimatedError {
-    if let Ok(path) = std::env::var("RAYCELL_DEBUG_ESTIMATE") {
-        let rows: Vec<String> = tests.iter().map(|t| format!("[{},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{},{:e}]", serde_json::to_string(&t.p).unwrap(), t.weight, t.b, t.reflected, t.residual, t.square, t.scatter, t.direct, t.gathered as u32, t.indirect)).collect();
-        let text = format!("{{\"tests\":[{}],\"evidence\":{},\"contraction\":{}}}", rows.join(",\n"), serde_json::to_string(&evidence).unwrap(), solved.contraction);
-        std::fs::write(path, text).unwrap();
-    }
     let over = |what: fn(&Test) -> f64| Mean::of(tests, what);
     let (b, reflected) = (over(|t| t.b).value, over(|t| t.reflected).value);
     if tests.is_empty() || b <= 0.0 || reflected <= 0.0 {
@@ -260,15 +254,15 @@ fn conclude(tests: &[Test], unscale: f64, params: &Params, solved: Solved, evide
     let q = (over(|t| t.indirect).value / reflected).clamp(0.0, MOST_INDIRECT);
     let grows = (q / (1.0 - q) / reflected).powi(2) * over(|t| t.reflected * t.reflected).value;
     let residual = over(|t| t.residual);
-    let carried = residual.square() * grows;
+    let carried = residual.value.powi(2) * grows;
 
-    let local = over(|t| t.square + t.direct);
-    let square = (local.value + carried).max(0.5 * local.error);
+    // Rounds of direct light are drawn evenly, so their mean is better than their scatter says: by experience, by half.
+    let local = over(|t| t.square + EVEN * t.direct);
+    let direct = EVEN * over(|t| t.direct).value;
+    let square = (local.value + carried).max(local.error);
     let [least, most] = residual.range().map(|x| x * grows);
-    let high = square - carried + most + 2.0 * local.error;
-    // Direct light's rounds are drawn evenly: it may be as good as half of what their scatter says.
-    let direct = over(|t| t.direct).value;
-    let low = (square - carried + least - 0.75 * direct - 1.5 * local.error).max(square / 4.0);
+    let high = square - carried + most + 0.67 * direct + 1.5 * local.error;
+    let low = (square - carried + least - 0.5 * direct - 1.25 * local.error).max(square / LOWEST.powi(2));
 
     let between = over(|t| if t.gathered { 0.0 } else { t.square }).value.max(0.0);
     let rays = evidence.noise.map(|noise| noise.min(between));
@@ -327,8 +321,8 @@ fn region(tests: &[Test], unscale: f64) -> RegionError {
     let (min, max) = bounds(tests);
     let over = |what: fn(&Test) -> f64| Mean::of(tests, what);
     let mean = over(|t| t.b).value;
-    let residual = over(|t| t.residual).square();
-    let squares = [over(|t| t.square + t.direct), over(|t| t.residual * t.residual - t.scatter)];
+    let residual = over(|t| t.residual).value.powi(2);
+    let squares = [over(|t| t.square + EVEN * t.direct), over(|t| t.residual * t.residual - t.scatter)];
     let square = squares.iter().map(|s| s.value.max(0.5 * s.error)).fold(residual, f64::max);
     RegionError { min, max, mean: mean * unscale, rrmse: if mean > 0.0 { square.sqrt() / mean } else { 0.0 } }
 }

@@ -66,10 +66,10 @@ pub fn climb(
         (Some(solution), None) => known(solution.params()).map_or(0, |n| n + 1),
         (None, None) => 0,
     };
-    if let Some(estimate) = best.as_ref().and_then(|s| s.report().estimated_error.as_ref()) {
-        if goal.error.is_some_and(|error| met(estimate, error)) {
-            rung = Params::LAST_RUNG + 1;
-        }
+    let known = best.as_ref().and_then(|s| s.report().estimated_error.as_ref());
+    if known.zip(goal.error).is_some_and(|(estimate, error)| met(estimate, error)) {
+        // There is nothing left to do.
+        rung = Params::LAST_RUNG + 1;
     }
     let mut missed = None;
     while rung <= Params::LAST_RUNG {

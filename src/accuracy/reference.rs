@@ -215,11 +215,14 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// `count` points of a scene, uniform over the area that reflects or emits, stratified, covered places left out.
+/// `count` points of a scene, uniform over the area that reflects and does not shine ([`Geometry::judged`]), stratified,
+/// covered places left out.
 ///
 /// Fewer where most of the surface is covered.
 pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<SurfacePoint> {
-    let areas: Vec<f64> = (0..geometry.tris.len()).map(|t| if geometry.is_live(t) { geometry.areas[t] } else { 0.0 }).collect();
+    let judged = geometry.judged();
+    let area = |t: usize| if judged(geometry.material_of(t)) { geometry.areas[t] } else { 0.0 };
+    let areas: Vec<f64> = (0..geometry.tris.len()).map(area).collect();
     let total: f64 = areas.iter().sum();
     let mut ends = Vec::with_capacity(areas.len());
     let mut sum = 0.0;
