@@ -49,7 +49,7 @@ impl Fit {
         let mut costs: Vec<f64> = logs.iter().map(|l| l[0]).collect();
         costs.sort_by(f64::total_cmp);
         // Runs of a setting cost nearly the same.
-        let steps = costs.windows(2).filter(|w| w[1] - w[0] > 0.2).count();
+        let steps = costs.windows(2).filter(|w| w[1] - w[0] > 0.1).count();
         if logs.len() < 3 || steps < 2 || sxx <= 0.0 {
             return None;
         }

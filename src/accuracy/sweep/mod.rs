@@ -194,6 +194,10 @@ fn climb(
     };
     let looks = Looks::new(ways, camera, &mut Progress::new(tell))?;
 
+    if let Flow::Stop = tell(&Event::Stage { name: "runs" }) {
+        return Err(Error::Cancelled);
+    }
+
     // Of a run's own events the caller hears when it may stop, and a warning once.
     let mut heard: Vec<String> = Vec::new();
     let mut hush = |event: &Event| match event {

@@ -2,7 +2,7 @@
 
 use super::fit::{Fit, Forecast};
 use super::ladder::{Kind, thousands};
-use super::looks::FULL;
+use super::looks::{FULL, LEVELS};
 use super::plots::Peer;
 use super::record::{Look, Record, Row};
 use crate::error::Result;
@@ -18,7 +18,7 @@ const GOALS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 
 const MORE: &str = "
 svg { width: 100%; height: auto; margin: 1em 0 } p, li { max-width: 62em } th { text-align: left; font-weight: normal; color: #666 }
-td, th { padding: .2em 1.2em .2em 0; vertical-align: top; border-bottom: 1px solid #ddd } td.n, th.n { text-align: right }
+td, th { padding: .2em 1.2em .2em 0; white-space: nowrap; border-bottom: 1px solid #ddd } td.n, th.n { text-align: right }
 .looks { display: flex; flex-wrap: wrap; gap: 1.2em } figure { margin: 0; width: 250px }
 figure img { width: 250px; image-rendering: pixelated; display: block; margin-bottom: .3em } figcaption { font-size: 85%; line-height: 1.35 }
 .wide { overflow-x: auto } .dim { color: #777 } .key { display: inline-block; width: .9em; height: .9em; margin-right: .4em }";
@@ -50,9 +50,16 @@ pub fn fit(record: &Record, kind: Kind) -> Option<Fit> {
 
 /// What halving a method's error costs, in a sentence.
 pub fn sentence(record: &Record, kind: Kind) -> String {
+    let rows = record.of_kind(kind);
     let Some(f) = fit(record, kind) else {
-        let n = record.of_kind(kind).len();
-        return format!("{}: {n} runs are too few to say; a line takes three settings.", kind.title());
+        let settings = rows.chunk_by(|a, b| a.size == b.size).count();
+        let clear: Vec<&&Row> = rows.iter().filter(|r| r.is_clear()).collect();
+        let (Some(first), Some(last), true) = (clear.first(), clear.last(), settings > 2) else {
+            let why = if settings > 2 { "its errors are lost in the reference's noise" } else { "a line takes three settings" };
+            return format!("{}: nothing to say yet; {why}.", kind.title());
+        };
+        let ends = [first, last].map(|r| format!("{} in {}", cent(r.rrmse), duration(r.seconds())));
+        return format!("{}: its settings take too nearly the same time for a line ({} to {}).", kind.title(), ends[0], ends[1]);
     };
     let [from, to] = f.costs;
     let span = format!("{} in {} to {} in {}", cent(f.errors[0]), duration(from), cent(f.errors[1]), duration(to));
@@ -144,23 +151,30 @@ fn image(dir: &Path, file: &str, caption: &str) -> String {
 }
 
 fn looks(dir: &Path, looks: &[Look]) -> String {
-    let mut html = String::from("<div class=\"looks\">\n");
-    html += &image(dir, "reference.png", "By path tracing: what it should look like, with its own noise.");
-    html += "</div>\n";
-    for look in looks {
+    let mut html = String::new();
+    for level in LEVELS {
+        html += &format!("<h3 id=\"look-{0}\">About {0} %</h3>\n", (100.0 * level).round());
+        let Some(look) = looks.iter().find(|l| l.shows == level) else {
+            html += "<p class=\"dim\">No run came near it.</p>\n";
+            continue;
+        };
         let caption = format!(
-            "<b>{} error</b>: {}, {} ({} over the pixels)",
+            "<b>{} error</b>: {}, {} ({} over these pixels)",
             cent(look.level),
             escape(look.method.title()),
             look.method.setting(look.size),
             cent(look.rrmse)
         );
-        html += &format!("<h3 id=\"look-{0}\">About {0} %</h3>\n<div class=\"looks\">\n", (100.0 * look.shows).round());
+        html += "<div class=\"looks\">\n";
         html += &image(dir, &look.picture, &caption);
+        html += &image(dir, "reference.png", "What it should be: path tracing, with a little noise of its own.");
         html += &image(
             dir,
             &look.difference,
-            &format!("What is off: red too bright, blue too dark; full colour at {:.0} %.", 100.0 * FULL),
+            &format!(
+                "What is off: red too bright, blue too dark, full colour at {:.0} %; speckle is the path tracer's.",
+                100.0 * FULL
+            ),
         );
         html += "</div>\n";
     }
@@ -206,7 +220,7 @@ pub fn write(dir: &Path, record: &Record, peers: &[Peer], drawings: &Drawings) -
         html += &format!("<tr><td>{}</td>", escape(kind.title()));
         for goal in GOALS {
             let cell = match (line, line.and_then(|l| l.forecast(goal))) {
-                (None, _) => "too few runs".to_string(),
+                (None, _) => "no line".to_string(),
                 (_, f) => forecast(f),
             };
             html += &format!("<td>{cell}</td>");

@@ -49,7 +49,7 @@ fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// Dots and their lines, both axes logarithmic. Errors are in per cent.
-fn curves(area: &Area, title: &str, x: &str, y: &str, series: &[Series], legend: bool) -> Result<(), Fault> {
+fn curves(area: &Area, title: &str, x: &str, y: &str, series: &[Series]) -> Result<(), Fault> {
     let area = titled(area, title)?;
     let all = || series.iter().flat_map(|s| s.dots.iter());
     if all().next().is_none() {
@@ -70,11 +70,34 @@ fn curves(area: &Area, title: &str, x: &str, y: &str, series: &[Series], legend:
         }
         panel.dots(&s.dots, 3.2, s.color)?;
     }
-    if legend {
-        let names: Vec<(&str, RGBColor)> = series.iter().map(|s| (s.name, s.color)).collect();
-        panel.legend(&names, false)?;
-    }
     Ok(())
+}
+
+/// Three panels, and above them what their colours are.
+fn three(panels: [(&str, &str, &str, Vec<Series>); 3]) -> Result<Drawing, Fault> {
+    draw(1260, 460, |page| {
+        let (above, below) = page.split_vertically(unit(34.0));
+        let mut x = 60.0;
+        for s in &panels[0].3 {
+            swatch(&above, [x, x + 14.0], [12.0, 24.0], s.color)?;
+            words(&above, [x + 20.0, 18.0], s.name, HPos::Left)?;
+            x += 60.0 + 7.6 * s.name.len() as f64;
+        }
+        for (area, (title, x, y, series)) in below.split_evenly((1, 3)).iter().zip(&panels) {
+            curves(area, title, x, y, series)?;
+        }
+        Ok(())
+    })
+}
+
+fn words(area: &Area, at: [f64; 2], words: &str, h: HPos) -> Result<(), Fault> {
+    let style = text(13.0).pos(Pos::new(h, VPos::Center));
+    Ok(area.draw(&Text::new(words.to_string(), (unit(at[0]), unit(at[1])), style))?)
+}
+
+fn swatch(area: &Area, x: [f64; 2], y: [f64; 2], color: RGBColor) -> Result<(), Fault> {
+    let corners = [(unit(x[0]), unit(y[0])), (unit(x[1]), unit(y[1]))];
+    Ok(area.draw(&Rectangle::new(corners, color.filled()))?)
 }
 
 fn series<'a>(record: &Record, of: impl Fn(&Row) -> Option<[f64; 2]>) -> Vec<Series<'a>> {
@@ -90,17 +113,16 @@ pub fn errors(record: &Record, peers: &[Peer]) -> Result<Drawing, Fault> {
         ("median point", "relative error, %", |r| r.median),
         ("90th percentile of points", "relative error, %", |r| r.p90),
     ];
-    draw(1260, 440, |page| {
-        for (k, (area, (title, y, of))) in page.split_evenly((1, 3)).iter().zip(measures).enumerate() {
-            let mut series = series(record, |r| Some([r.seconds(), 100.0 * of(r)?]));
-            for peer in peers {
-                let dots = peer.runs.iter().map(|r| [r[0], 100.0 * r[k + 1]]).collect();
-                series.push(Series { name: &peer.name, color: GREY, dots });
-            }
-            curves(area, title, "seconds: bake and read-out", y, &series, k == 0)?;
+    let mut k = 0;
+    three(measures.map(|(title, y, of)| {
+        let mut series = series(record, |r| Some([r.seconds(), 100.0 * of(r)?]));
+        k += 1;
+        for peer in peers {
+            let dots = peer.runs.iter().map(|r| [r[0], 100.0 * r[k]]).collect();
+            series.push(Series { name: &peer.name, color: GREY, dots });
         }
-        Ok(())
-    })
+        (title, "seconds: bake and read-out", y, series)
+    }))
 }
 
 /// RRMSE against rays, stored coefficients and memory.
@@ -111,13 +133,9 @@ pub fn resources(record: &Record) -> Result<Drawing, Fault> {
         ("what is stored", "coefficients", |r| Some(r.coefficients as f64)),
         ("memory", "MiB of device buffers, at most", |r| r.device_bytes.map(|b| b as f64 / 1048576.0)),
     ];
-    draw(1260, 440, |page| {
-        for (k, (area, (title, x, of))) in page.split_evenly((1, 3)).iter().zip(costs).enumerate() {
-            let series = series(record, |r| r.is_clear().then_some([of(r)?, 100.0 * r.rrmse]));
-            curves(area, title, x, "RRMSE, %", &series, k == 0)?;
-        }
-        Ok(())
-    })
+    three(
+        costs.map(|(title, x, of)| (title, x, "RRMSE, %", series(record, |r| r.is_clear().then_some([of(r)?, 100.0 * r.rrmse])))),
+    )
 }
 
 /// The estimate of every run beside its true error; none where no run has an estimate.
@@ -173,33 +191,25 @@ pub fn stages(record: &Record) -> Result<Drawing, Fault> {
     }
     let (height, label, width) = (20.0, 330.0, 760.0);
     draw(1260, (70.0 + height * bars.len() as f64) as u32, |page| {
-        let words = |area: &Area, at: (f64, f64), words: &str, h: HPos| -> Result<(), Fault> {
-            let style = text(13.0).pos(Pos::new(h, VPos::Center));
-            Ok(area.draw(&Text::new(words.to_string(), (unit(at.0), unit(at.1)), style))?)
-        };
-        let block = |area: &Area, x: [f64; 2], y: [f64; 2], color: RGBColor| -> Result<(), Fault> {
-            let corners = [(unit(x[0]), unit(y[0])), (unit(x[1]), unit(y[1]))];
-            Ok(area.draw(&Rectangle::new(corners, color.filled()))?)
-        };
         let mut x = label;
         for (name, color) in STAGES.iter().zip(STAGE_COLORS) {
-            block(page, [x, x + 12.0], [18.0, 30.0], color)?;
-            words(page, (x + 17.0, 24.0), name, HPos::Left)?;
+            swatch(page, [x, x + 12.0], [18.0, 30.0], color)?;
+            words(page, [x + 17.0, 24.0], name, HPos::Left)?;
             x += 30.0 + 8.5 * name.len() as f64;
         }
         let mut y = 46.0;
         for (kind, size, seconds) in &bars {
-            words(page, (label - 10.0, y + 0.5 * height), &format!("{}, {}", kind.title(), kind.setting(*size)), HPos::Right)?;
+            words(page, [label - 10.0, y + 0.5 * height], &format!("{}, {}", kind.title(), kind.setting(*size)), HPos::Right)?;
             let total: f64 = seconds.iter().sum();
             let mut x = label;
             for (s, color) in seconds.iter().zip(STAGE_COLORS) {
                 let w = width * s / total.max(1e-12);
                 if w > 0.3 {
-                    block(page, [x, x + w], [y + 3.0, y + height - 3.0], color)?;
+                    swatch(page, [x, x + w], [y + 3.0, y + height - 3.0], color)?;
                 }
                 x += w;
             }
-            words(page, (label + width + 10.0, y + 0.5 * height), &format!("{} s", number(total)), HPos::Left)?;
+            words(page, [label + width + 10.0, y + 0.5 * height], &format!("{} s", number(total)), HPos::Left)?;
             y += height;
         }
         page.draw(&PathElement::new(vec![(unit(label), unit(44.0)), (unit(label), unit(y))], INK.stroke_width(1)))?;
