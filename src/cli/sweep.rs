@@ -26,7 +26,7 @@ Examples:
       Two methods, three seeds, five minutes. The same command again goes on with what was left out.
   raycell sweep room.obj --reference truth.csv -o against_truth
       By a truth of your own: px,py,pz,nx,ny,nz,B_r,B_g,B_b and, where known, stderr_r,stderr_g,stderr_b.
-  raycell sweep room.obj --noise 0.2 --points 2048 --minutes 60
+  raycell sweep room.obj --noise 0.1 --points 2048 --minutes 60
       A better reference, and more of it.";
 
 #[derive(Args)]
@@ -54,7 +54,7 @@ pub struct Flags {
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(8..=1_000_000))]
     pub points: u32,
     /// Noise at which a reference that is made is good enough, per cent of the mean light; a tenth of --minutes at most.
-    #[arg(long, value_name = "PCT", default_value_t = 0.5)]
+    #[arg(long, value_name = "PCT", default_value_t = 0.25)]
     pub noise: f64,
     /// Paths a point of a reference that is made, however long they take.
     #[arg(long, value_name = "N")]
@@ -68,6 +68,9 @@ pub struct Flags {
     /// Settings of paper mode, with 32 evaluations each [default: 128,256,512,1024].
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub cells: Option<Vec<u32>>,
+    /// Leave final gathers out of the read-out, to see the methods' own errors.
+    #[arg(long)]
+    pub no_gather: bool,
     /// Another program's curve, to be drawn beside: CSV with method,points,seconds,rrmse,median,p90.
     #[arg(long, value_name = "FILE")]
     pub peers: Option<PathBuf>,
@@ -145,6 +148,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
             cells: sorted(flags.cells, default.cells),
         },
         seeds: flags.seeds,
+        gather: !flags.no_gather,
         time: Duration::from_secs_f64((60.0 * minutes).min(1e9)),
         reference: flags.reference,
         points: flags.points as usize,
@@ -155,7 +159,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     };
     // A setting that cannot be is refused before any run.
     for &kind in &options.kinds {
-        options.sizes.of_kind(kind).iter().try_for_each(|&size| kind.params(size, 1).check())?;
+        options.sizes.of_kind(kind).iter().try_for_each(|&size| kind.params(size, 1, true).check())?;
     }
     let geometry = Geometry::new(&scene)?;
     let machine = Machine::open(&flags.device, &log.borrow())?;

@@ -87,9 +87,11 @@ impl Kind {
         if self.size() == Size::Patches { 2.0 } else { 1.0 }
     }
 
-    /// The parameters of a run. Everything else is the default: also the read-out, which all share.
-    pub fn params(self, size: u32, seed: u32) -> Params {
-        let base = Params { seed, ..Params::default() };
+    /// The parameters of a run. Everything else is the default: also the read-out, which all share, but for its final
+    /// gathers where they are not wanted.
+    pub fn params(self, size: u32, seed: u32, gather: bool) -> Params {
+        let default = Params::default();
+        let base = Params { seed, gather_rays: if gather { default.gather_rays } else { 0 }, ..default };
         match self {
             Kind::Network => Params { rays: size, ..base },
             Kind::NetworkDirect => Params { rays: size, direct: Direct::Network, ..base },
@@ -169,7 +171,7 @@ mod tests {
             let rungs = rungs(&Kind::ALL, &Sizes::of(flatland), 2);
             assert!(rungs.len() > 40, "{}", rungs.len());
             for r in &rungs {
-                r.kind.params(r.size, r.seed).check().unwrap();
+                r.kind.params(r.size, r.seed, true).check().unwrap();
             }
             // The first of each come before the second of any.
             assert!(rungs[..12].iter().all(|r| r.size == Sizes::of(flatland).of_kind(r.kind)[0]));

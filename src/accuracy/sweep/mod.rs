@@ -50,6 +50,8 @@ pub struct Options {
     pub kinds: Vec<Kind>,
     pub sizes: Sizes,
     pub seeds: u32,
+    /// Whether points are read out with final gathers.
+    pub gather: bool,
     /// What all may take; runs that would go beyond are left out.
     pub time: Duration,
     /// A truth; none: one is made.
@@ -81,6 +83,7 @@ pub fn run(ways: &Ways, options: &Options, tell: &mut dyn FnMut(&Event) -> Flow,
         of: digest(&[bytes(&ways.geometry.tris), bytes(&ways.geometry.materials), bytes(&[ways.geometry.scale])]),
         adapter: ways.adapter.clone(),
         reference,
+        gather: options.gather,
         ..Record::default()
     };
     let mut record = match Record::read(ways.dir)? {
@@ -212,7 +215,7 @@ fn climb(
         for &kind in options.kinds.iter().filter(|&&k| missing.iter().any(|r| r.kind == k)) {
             let smallest = if kind.size() == ladder::Size::Rays { 1_024 } else { 32 };
             // What fails here fails again where it counts.
-            match make(ways, truth, &Rung { kind, size: smallest, seed: 1 }, &mut hush) {
+            match make(ways, options, truth, &Rung { kind, size: smallest, seed: 1 }, &mut hush) {
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 _ => continue,
             }
@@ -234,7 +237,7 @@ fn climb(
             closed.push(rung.kind);
             continue;
         }
-        match make(ways, truth, rung, &mut hush) {
+        match make(ways, options, truth, rung, &mut hush) {
             Ok((row, solution)) => {
                 say(&format!("{} of {}: {name}: RRMSE {:.2} %, {:.1} s", i + 1, missing.len(), 100.0 * row.rrmse, row.seconds()));
                 let error = row.rrmse;
@@ -260,9 +263,15 @@ fn climb(
 }
 
 /// One run: bakes, and asks at the reference's points.
-fn make(ways: &Ways, truth: &Truth, rung: &Rung, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<(Row, crate::Solution)> {
+fn make(
+    ways: &Ways,
+    options: &Options,
+    truth: &Truth,
+    rung: &Rung,
+    tell: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<(Row, crate::Solution)> {
     let known = memory::forget();
-    let solution = crate::bake(ways.backend, ways.scene, &rung.kind.params(rung.size, rung.seed), tell)?;
+    let solution = crate::bake(ways.backend, ways.scene, &rung.kind.params(rung.size, rung.seed, options.gather), tell)?;
     let begin = Instant::now();
     let answers = solution.query_with(ways.backend, &truth.points, tell)?;
     let readout = begin.elapsed().as_secs_f64();

@@ -293,10 +293,16 @@ pub fn write(dir: &Path, record: &Record, peers: &[Peer], drawings: &Drawings) -
          the median and the percentile). RRMSE is sqrt(mean (B − B*)²) / mean B* over points and colour bands, B the radiosity. Runs \
          whose error is less than half of the noise are not drawn. Seconds count from the scene in memory to the answer at the \
          last point: hierarchy, training, solving, direct light, read-out; kernels were compiled before, in a run that does not \
-         count. All methods have the same read-out with its final gathers; paper mode has none. Lines are least squares through \
+         count. {} Lines are least squares through \
          single runs, in logarithms.</p>\n<p>Files: <a href=\"sweep.csv\">sweep.csv</a> (a row a run), <a \
          href=\"sweep.json\">sweep.json</a>, the plots as SVG and PNG. The same command goes on with what is missing.</p>\n</html>\n",
-        cent(record.reference.noise)
+        cent(record.reference.noise),
+        if record.gather {
+            "All methods have the same read-out with its final gathers, which draw them together (<code>--no-gather</code> shows their \
+             own errors); paper mode has none."
+        } else {
+            "All methods have the same read-out, without final gathers."
+        }
     );
     atomic::write(&dir.join("index.html"), html.as_bytes())
 }

@@ -134,6 +134,8 @@ pub struct Record {
     /// Null for the plain-Rust twin.
     pub adapter: Option<AdapterReport>,
     pub reference: ReferenceRecord,
+    /// Whether points were read out with final gathers.
+    pub gather: bool,
     pub rows: Vec<Row>,
     #[serde(default)]
     pub looks: Vec<Look>,
@@ -169,6 +171,8 @@ impl Record {
             Some("the device")
         } else if self.reference.of != now.reference.of {
             Some("the reference")
+        } else if self.gather != now.gather {
+            Some("the read-out (--no-gather)")
         } else {
             None
         }
