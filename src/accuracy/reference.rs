@@ -197,7 +197,8 @@ impl<'a> Reference<'a> {
             if self.state.rounds >= FEWEST.min(most) {
                 let noise = self.truth().noise();
                 let late = goal.time.is_some_and(|time| start.elapsed() >= time);
-                if noise <= goal.noise || late {
+                // Where all is dark the noise is no number, and there is nothing to wait for.
+                if noise <= goal.noise || noise.is_nan() || late {
                     return Ok(());
                 }
                 // Noise falls with the root of the rounds.

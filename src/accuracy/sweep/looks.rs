@@ -43,8 +43,9 @@ pub struct Looks<'a> {
 
 /// The camera scaled to a small picture.
 pub fn small(camera: Camera) -> Camera {
-    let height = (WIDTH as f64 * camera.height as f64 / camera.width.max(1) as f64).round().clamp(16.0, 320.0) as u32;
-    Camera { width: WIDTH, height, ..camera }
+    let width = camera.width.min(WIDTH);
+    let height = (width as f64 * camera.height as f64 / camera.width.max(1) as f64).round().clamp(1.0, 320.0) as u32;
+    Camera { width, height, ..camera }
 }
 
 /// A camera that sees much of a scene: from a corner, from within or from outside, of its bounding box to the middle.
@@ -94,7 +95,7 @@ pub fn choose(scene: &Scene, geometry: &Geometry) -> Result<Camera> {
         width: 16,
         height: 12,
     };
-    Ok(small(Camera { width: 4, height: 3, ..best.1.unwrap_or(fallback) }))
+    Ok(small(Camera { width: 640, height: 480, ..best.1.unwrap_or(fallback) }))
 }
 
 impl<'a> Looks<'a> {
