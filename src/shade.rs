@@ -8,22 +8,29 @@ use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
+use crate::twin::gather::Gathered;
 use crate::twin::math::seed_of;
 
 /// Points in flight.
 const CHUNK: usize = 32_768;
 /// Most gather rays in flight.
 const HITS: usize = 262_144;
-/// Samples of a round of direct light at a shown point.
+/// Samples of a round of direct light at a shown point. The split into rounds tells the scatter; it changes no estimate.
 const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
+/// The same where few samples are allowed.
+const SMALL_ROUND: Samples = Samples { emitter: 6, cosine: 2 };
+/// Samples below which rounds are small.
+const FEW_SAMPLES: u32 = 1_024;
 /// Rounds before the error of direct light is looked at.
 const FIRST_ROUNDS: u32 = 8;
 /// Most rays of direct light between two moments at which the caller may stop.
 const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
-/// Rays that tell how near a point's surroundings are, and whether it is covered.
-const PROBES: u32 = 32;
+/// Rays that tell how near a point's surroundings are.
+const NEAR_PROBES: u32 = 8;
+/// Rays that tell whether a dark point is covered.
+const DEAD_PROBES: u32 = 32;
 
 /// Light at a point, scaled W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,10 +52,17 @@ pub(crate) fn shade<E: Engine>(
     points: &[Point],
     progress: &mut Progress,
 ) -> Result<Vec<Shade>> {
-    let mut out = Vec::with_capacity(points.len());
-    for (i, chunk) in points.chunks(CHUNK).enumerate() {
-        out.extend(shade_chunk(engine, params, spacing, chunk, seed_of(params.seed, i as u32), progress)?);
-        progress.event(Event::Points { done: out.len() as u64, total: points.len() as u64 })?;
+    // Those of a tile together: neighbouring invocations then walk the same part of the hierarchy.
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_by_key(|&i| points[i as usize].tile);
+    let mut out = vec![Shade::default(); points.len()];
+    for (i, places) in order.chunks(CHUNK).enumerate() {
+        let chunk: Vec<Point> = places.iter().map(|&i| points[i as usize]).collect();
+        let shades = shade_chunk(engine, params, spacing, &chunk, seed_of(params.seed, i as u32), progress)?;
+        for (&i, shade) in places.iter().zip(shades) {
+            out[i as usize] = shade;
+        }
+        progress.event(Event::Points { done: (i * CHUNK + places.len()) as u64, total: points.len() as u64 })?;
     }
     Ok(out)
 }
@@ -79,29 +93,27 @@ fn shade_chunk<E: Engine>(
         vec![DirectSum::default(); points.len()]
     };
 
-    // Look around: who is covered, who sits in a slot?
-    let mut near = Vec::new();
-    let mut shades: Vec<Shade> = Vec::new();
+    // Look around: who sits in a slot? What a gather brings has been reflected once more, so a broken series has none.
+    let gathers = params.gather_rays > 0 && params.bounces.is_none();
+    let all: Vec<u32> = (0..points.len() as u32).collect();
     let probe_seed = stream(seed, Stream::PointProbe);
-    let step = HITS / PROBES as usize;
-    for (c, chunk) in points.chunks(step).enumerate() {
-        let from = engine.upload(chunk)?;
-        let hits = engine.shoot(&from, seed_of(probe_seed, c as u32), 0, PROBES)?;
-        near.extend(engine.gather(&hits, PROBES, false, false)?);
-        progress.tick()?;
+    let near = if gathers { probe(engine, points, &all, probe_seed, NEAR_PROBES, progress)? } else { Vec::new() };
+    // And who is covered? Only where no emitter is seen.
+    let direct: Vec<[f64; 3]> = direct.iter().map(|d| d.mean().map(f64::from)).collect();
+    let dark: Vec<u32> = all.into_iter().filter(|&i| direct[i as usize] == [0.0; 3]).collect();
+    let mut covered = vec![false; points.len()];
+    for (&i, seen) in dark.iter().zip(probe(engine, points, &dark, seed_of(probe_seed, DEAD_PROBES), DEAD_PROBES, progress)?) {
+        covered[i as usize] = seen.is_dead();
     }
     let mut wanted = Vec::new();
-    // What a gather brings has been reflected once more.
-    let gathers = params.gather_rays > 0 && params.bounces.is_none();
+    let mut shades: Vec<Shade> = Vec::new();
     for i in 0..points.len() {
-        let d = direct[i].mean().map(f64::from);
-        let covered = near[i].is_dead() && d == [0.0; 3];
-        let irradiance = [0, 1, 2].map(|k| if covered { 0.0 } else { d[k] + network[i][k] as f64 });
-        let close = near[i].nearness as f64 * params.gather_threshold * spacing > 1.0;
-        if gathers && !covered && (close || psi[i].is_orphan()) {
+        let irradiance = [0, 1, 2].map(|k| if covered[i] { 0.0 } else { direct[i][k] + network[i][k] as f64 });
+        let close = |near: &Gathered| near.nearness as f64 * params.gather_threshold * spacing > 1.0;
+        if gathers && !covered[i] && (close(&near[i]) || psi[i].is_orphan()) {
             wanted.push(i);
         }
-        shades.push(Shade { direct: d, irradiance, covered });
+        shades.push(Shade { direct: direct[i], irradiance, covered: covered[i] });
     }
 
     // Final gather where the network is not fine enough.
@@ -147,6 +159,25 @@ fn shade_chunk<E: Engine>(
     Ok(shades)
 }
 
+/// What `rays` cosine rays of each of the listed points meet.
+fn probe<E: Engine>(
+    engine: &mut E,
+    points: &[Point],
+    listed: &[u32],
+    seed: u32,
+    rays: u32,
+    progress: &mut Progress,
+) -> Result<Vec<Gathered>> {
+    let mut met = Vec::with_capacity(listed.len());
+    for (c, chunk) in listed.chunks(HITS / rays as usize).enumerate() {
+        let from = engine.upload(&chunk.iter().map(|&i| points[i as usize]).collect::<Vec<_>>())?;
+        let hits = engine.shoot(&from, seed_of(seed, c as u32), 0, rays)?;
+        met.extend(engine.gather(&hits, rays, false, false)?);
+        progress.tick()?;
+    }
+    Ok(met)
+}
+
 /// Samples direct light until its standard error is small against all light at the point.
 fn sample_direct<E: Engine>(
     engine: &mut E,
@@ -157,17 +188,19 @@ fn sample_direct<E: Engine>(
     seed: u32,
     progress: &mut Progress,
 ) -> Result<Vec<DirectSum>> {
-    let most = (params.direct_samples / (ROUND.emitter + ROUND.cosine)).max(2);
+    let round = if params.direct_samples < FEW_SAMPLES { SMALL_ROUND } else { ROUND };
+    let rays = round.emitter + round.cosine;
+    let most = (params.direct_samples / rays).max(2);
     let mut done = 0;
     let mut rounds = FIRST_ROUNDS.min((most / 8).max(2));
     let mut active = all.to_vec();
     loop {
         // Rounds add up in their order, however many are asked for at a time.
         let end = done + rounds;
-        let step = (DIRECT_RAYS / (active.len() as u32 * (ROUND.emitter + ROUND.cosine)).max(1)).max(1);
+        let step = (DIRECT_RAYS / (active.len() as u32 * rays).max(1)).max(1);
         while done < end {
             let rounds = step.min(end - done);
-            engine.direct(batch, Some(&active), seed, done, rounds, ROUND)?;
+            engine.direct(batch, Some(&active), seed, done, rounds, round)?;
             engine.finish()?;
             done += rounds;
             progress.tick()?;

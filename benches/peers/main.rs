@@ -8,16 +8,16 @@ mod reference;
 mod table;
 mod worker;
 
+use raycell::accuracy::truth::Truth;
 use raycell::gpu::{Gpu, device};
 use raycell::scene::Geometry;
 use raycell::twin::sobol::sobol4;
 use raycell::twin::trace::{place_on, position};
 use raycell::{Backend, Flow, Params, Scene, SurfacePoint, bake};
-use reference::Reference;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use table::{Row, Table};
+use table::{Row, Seconds, Table};
 use worker::Worker;
 
 /// What may fail anywhere.
@@ -27,6 +27,8 @@ pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 struct Job {
     scene: PathBuf,
     points: usize,
+    /// Points and reference, where they are known.
+    truth: Option<PathBuf>,
     python: String,
     threads: usize,
     /// Samples a point of the peer's ladder.
@@ -45,7 +47,11 @@ fn main() -> Outcome {
     let job = Job::from_args()?;
     std::fs::create_dir_all(&job.out)?;
     let scene = Scene::load(&job.scene)?;
-    let points = places(&scene, job.points)?;
+    let known = job.truth.as_deref().map(Truth::read).transpose()?;
+    let points = match &known {
+        Some(truth) => truth.points.clone(),
+        None => places(&scene, job.points)?,
+    };
     let open = device::open(device::BackendChoice::Auto, None)?;
     let driver = format!("{} {}", open.info.driver, open.info.driver_info);
     println!("raycell on {} ({:?}, {})", open.info.name, open.info.backend, driver.trim());
@@ -60,38 +66,47 @@ fn main() -> Outcome {
             None
         }
     };
-    let reference = Reference::get(&job.out, &job.scene, &points, job.reference, peer.as_mut())?;
-    println!(
-        "reference: {} samples a point by the peer, its own noise {:.2} % (taken out of RRMSE)",
-        reference.samples(),
-        100.0 * reference.noise()
-    );
+    let truth = match known {
+        Some(truth) => truth,
+        None => reference::get(&job.out, &job.scene, &points, job.reference, peer.as_mut())?,
+    };
+    println!("noise of the reference: {:.2} %, taken out of RRMSE, not of quantiles\n", 100.0 * truth.noise());
 
     // Kernels compile and memory is touched before the clock runs, on both sides.
     for (_, params) in job.ladder.iter().take(1) {
         let warm = Params { rays: 16_384, ..params.clone() };
         bake(&backend, &scene, &warm, &mut |_| Flow::Continue)?.query(&backend, &points[..points.len().min(1024)])?;
     }
-    let mut table = Table::new(job.points, job.at);
+    let mut table = Table::new(points.len(), job.at);
     for seed in 1..=job.seeds {
         for step in 0..job.ladder.len().max(job.spp.len()) {
             if let Some((name, params)) = job.ladder.get(step) {
                 let params = Params { seed, ..params.clone() };
-                let start = Instant::now();
+                let (start, cores) = (Instant::now(), core_seconds());
                 let solution = bake(&backend, &scene, &params, &mut |_| Flow::Continue)?;
                 let baked = start.elapsed().as_secs_f64();
                 let answers = solution.query(&backend, &points)?;
-                let seconds = start.elapsed().as_secs_f64();
+                let seconds = Seconds {
+                    wall: start.elapsed().as_secs_f64(),
+                    cores: core_seconds().zip(cores).map(|(now, then)| now - then),
+                };
                 let b: Vec<[f64; 3]> = answers.iter().map(|a| a.b).collect();
-                table.add(Row::new("raycell", name, &reference, &b, seconds, Some(baked)));
+                table.add(Row::new("raycell", name, &truth, &b, seconds, Some(baked)));
             }
             if let (Some(peer), Some(&spp)) = (&mut peer, job.spp.get(step)) {
                 let (seconds, b) = peer.bake(spp, seed)?;
-                table.add(Row::new("mitsuba", &format!("{spp} samples"), &reference, &b, seconds, None));
+                table.add(Row::new("mitsuba", &format!("{spp} samples"), &truth, &b, seconds, None));
             }
         }
     }
     table.finish(&job.out)
+}
+
+/// Processor time of this process on all cores, drivers' threads included; where there is Linux's `/proc`.
+fn core_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let mut ticks = stat.rsplit(')').next()?.split_whitespace().skip(11).map(|t| t.parse::<f64>());
+    Some((ticks.next()?.ok()? + ticks.next()?.ok()?) / 100.0)
 }
 
 /// Points uniform over the surfaces that reflect.
@@ -126,6 +141,7 @@ impl Job {
         let mut job = Job {
             scene: root.join("scenes/cornell/scene.obj"),
             points: 65_536,
+            truth: None,
             python: "python3".into(),
             threads: std::thread::available_parallelism()?.get(),
             spp: vec![64, 256, 1024],
@@ -141,6 +157,7 @@ impl Job {
             match flag.as_str() {
                 "--scene" => job.scene = value.into(),
                 "--points" => job.points = value.parse()?,
+                "--truth" => job.truth = Some(value.into()),
                 "--python" => job.python = value,
                 "--threads" => job.threads = value.parse()?,
                 "--spp" => job.spp = value.split(',').filter(|x| !x.is_empty()).map(str::parse).collect::<Result<_, _>>()?,
@@ -159,9 +176,16 @@ impl Job {
     }
 }
 
-/// The settings that are held against the peer.
+/// The settings that are held against the peer: rays, and a read-out as careful as they are.
 fn ladder() -> Vec<(String, Params)> {
-    [16_384, 65_536, 262_144].map(|rays| (format!("{rays} rays"), Params { rays, ..Params::default() })).to_vec()
+    let rung = |rays: u32| {
+        let direct_tolerance = 0.016 * (65_536.0 / rays as f64).powf(0.4);
+        let (direct_samples, gather_rays) = ((rays / 128).max(256), (rays / 512).max(128));
+        let gather_threshold = if rays < 131_072 { 0.6 } else { 1.2 };
+        let params = Params { rays, direct_tolerance, direct_samples, gather_rays, gather_threshold, ..Params::default() };
+        (format!("{rays} rays"), params)
+    };
+    [16_384, 32_768, 65_536, 131_072].map(rung).to_vec()
 }
 
 /// Settings as `rays=65536 gather_rays=0`: names and values of [`Params`].

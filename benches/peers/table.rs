@@ -1,51 +1,33 @@
 //! What was measured, as a table, as a CSV that `raycell sweep` draws, and as one ratio.
 
 use crate::Outcome;
-use crate::reference::Reference;
+use raycell::accuracy::norms::Errors;
+use raycell::accuracy::truth::Truth;
 use std::path::Path;
+
+/// What a run took.
+#[derive(Clone, Copy)]
+pub struct Seconds {
+    pub wall: f64,
+    /// Of all cores together, what other programs took left out; where the system tells.
+    pub cores: Option<f64>,
+}
 
 /// A run of one method.
 pub struct Row {
     method: &'static str,
     setting: String,
-    seconds: f64,
+    seconds: Seconds,
     /// Seconds until points could be asked for.
     baked: Option<f64>,
-    /// sqrt(mean (B - B*)^2)/mean(B*) over points and bands, the reference's own variance taken out.
-    rrmse: f64,
-    /// The relative error of half of the points is below, |B - B*| summed over bands against B*.
-    median: f64,
-    p90: f64,
-    /// Sum of B against the reference's.
-    ratio: f64,
+    errors: Errors,
 }
 
 impl Row {
-    pub fn new(
-        method: &'static str,
-        setting: &str,
-        reference: &Reference,
-        b: &[[f64; 3]],
-        seconds: f64,
-        baked: Option<f64>,
-    ) -> Row {
-        let (mut square, mut sums, mut relative) = (0.0, [0.0; 2], Vec::new());
-        for (i, b) in b.iter().enumerate() {
-            let truth = reference.b(i);
-            square += (0..3).map(|k| (b[k] - truth[k]).powi(2)).sum::<f64>();
-            let light: f64 = truth.iter().sum();
-            sums = [sums[0] + b.iter().sum::<f64>(), sums[1] + light];
-            // Where no light comes there is nothing to be relative to.
-            if light > 0.0 {
-                relative.push((0..3).map(|k| (b[k] - truth[k]).abs()).sum::<f64>() / light);
-            }
-        }
-        relative.sort_by(f64::total_cmp);
-        let quantile = |q: f64| relative.get((q * relative.len() as f64) as usize).copied().unwrap_or(0.0);
-        let square = (square / (3 * b.len()) as f64 - reference.variance()).max(0.0);
-        let rrmse = square.sqrt() / reference.level();
+    pub fn new(method: &'static str, setting: &str, truth: &Truth, b: &[[f64; 3]], seconds: Seconds, baked: Option<f64>) -> Row {
+        let errors = Errors::new(b, truth);
         let setting = setting.to_string();
-        Row { method, setting, seconds, baked, rrmse, median: quantile(0.5), p90: quantile(0.9), ratio: sums[0] / sums[1] }
+        Row { method, setting, seconds, baked, errors }
     }
 }
 
@@ -58,48 +40,63 @@ pub struct Table {
 
 impl Table {
     pub fn new(points: usize, at: f64) -> Table {
-        println!("| method | setting | seconds | of these baking | RRMSE % | median % | 90 % of points % | sum of B |");
-        println!("|---|---|---|---|---|---|---|---|");
+        println!(
+            "| method | setting | seconds | of these baking | core seconds | RRMSE % | median % | 90 % of points % | sum of B |"
+        );
+        println!("|---|---|---|---|---|---|---|---|---|");
         Table { points, at, rows: Vec::new() }
     }
 
     pub fn add(&mut self, row: Row) {
-        let baked = row.baked.map(|s| format!("{s:.1}")).unwrap_or_default();
-        let errors = [row.rrmse, row.median, row.p90].map(|e| format!("{:.2}", 100.0 * e)).join(" | ");
-        println!("| {} | {} | {:.2} | {baked} | {errors} | {:.4} |", row.method, row.setting, row.seconds, row.ratio);
+        let [baked, cores] = [row.baked, row.seconds.cores].map(|s| s.map(|s| format!("{s:.1}")).unwrap_or_default());
+        let errors = [row.errors.rrmse, row.errors.median, row.errors.p90].map(|e| format!("{:.2}", 100.0 * e)).join(" | ");
+        println!(
+            "| {} | {} | {:.2} | {baked} | {cores} | {errors} | {:.4} |",
+            row.method,
+            row.setting,
+            row.seconds.wall,
+            1.0 + row.errors.bias
+        );
         self.rows.push(row);
     }
 
-    /// Seconds and median of a method at the RRMSE asked for, between the two runs beside it, as powers.
-    fn cross(&self, method: &str) -> Option<(f64, f64)> {
-        let mut own: Vec<&Row> = self.rows.iter().filter(|r| r.method == method && r.rrmse > 0.0).collect();
-        own.sort_by(|a, b| b.rrmse.total_cmp(&a.rrmse));
-        let after = own.iter().position(|r| r.rrmse <= self.at)?;
+    /// Seconds, core seconds and median of a method at the RRMSE asked for, between the two runs beside it, as powers.
+    fn cross(&self, method: &str) -> Option<[f64; 3]> {
+        let mut own: Vec<&Row> = self.rows.iter().filter(|r| r.method == method && r.errors.rrmse > 0.0).collect();
+        own.sort_by(|a, b| b.errors.rrmse.total_cmp(&a.errors.rrmse));
+        let after = own.iter().position(|r| r.errors.rrmse <= self.at)?;
         let (a, b) = (own[after.checked_sub(1)?], own[after]);
-        let t = (self.at / a.rrmse).ln() / (b.rrmse / a.rrmse).ln();
+        let t = (self.at / a.errors.rrmse).ln() / (b.errors.rrmse / a.errors.rrmse).ln();
         let between = |a: f64, b: f64| (a.ln() + t * (b / a).ln()).exp();
-        Some((between(a.seconds, b.seconds), between(a.median, b.median)))
+        let cores = |r: &Row| r.seconds.cores.unwrap_or(f64::NAN);
+        Some([between(a.seconds.wall, b.seconds.wall), between(cores(a), cores(b)), between(a.errors.median, b.errors.median)])
     }
 
     /// Writes `peers.csv` and says what equal error costs.
     pub fn finish(self, out: &Path) -> Outcome {
         let mut csv = String::from("method,points,seconds,rrmse,median,p90\n");
         for r in &self.rows {
-            csv += &format!("{},{},{},{},{},{}\n", r.method, self.points, r.seconds, r.rrmse, r.median, r.p90);
+            csv += &format!(
+                "{},{},{},{},{},{}\n",
+                r.method, self.points, r.seconds.wall, r.errors.rrmse, r.errors.median, r.errors.p90
+            );
         }
         let path = out.join("peers.csv");
         std::fs::write(&path, csv)?;
         println!("\nwrote {}", path.display());
         match (self.cross("raycell"), self.cross("mitsuba")) {
-            (Some(own), Some(peer)) => println!(
-                "at {:.3} % RRMSE: raycell {:.2} s, median {:.2} %; Mitsuba {:.2} s, median {:.2} %: 1/{:.1} of its time",
-                100.0 * self.at,
-                own.0,
-                100.0 * own.1,
-                peer.0,
-                100.0 * peer.1,
-                peer.0 / own.0
-            ),
+            (Some(own), Some(peer)) => {
+                let tell = |name: &str, [seconds, cores, median]: [f64; 3]| {
+                    println!(
+                        "{name} at {:.3} % RRMSE: {seconds:.2} s ({cores:.2} core seconds), median {:.2} %",
+                        100.0 * self.at,
+                        100.0 * median
+                    );
+                };
+                tell("raycell", own);
+                tell("Mitsuba", peer);
+                println!("Mitsuba takes {:.1} times as long ({:.1} times the core seconds)", peer[0] / own[0], peer[1] / own[1]);
+            }
             _ => println!("no ratio: the ladders do not both enclose {:.3} % RRMSE", 100.0 * self.at),
         }
         println!("Mitsuba's path integrator shares nothing between points, caches nothing, and is not denoised.");

@@ -1,6 +1,7 @@
 //! The peer's process, asked line by line.
 
 use crate::Outcome;
+use crate::table::Seconds;
 use raycell::SurfacePoint;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -55,12 +56,13 @@ impl Worker {
     }
 
     /// Seconds, and radiosity at the points.
-    pub fn bake(&mut self, spp: u32, seed: u32) -> Outcome<(f64, Vec<[f64; 3]>)> {
+    pub fn bake(&mut self, spp: u32, seed: u32) -> Outcome<(Seconds, Vec<[f64; 3]>)> {
         let ask = self.ask.as_mut().ok_or("the peer has ended")?;
         writeln!(ask, "{spp} {seed} {}", self.file.display())?;
         let line = self.line()?;
         let said: serde_json::Value = serde_json::from_str(&line).map_err(|_| "the peer ended early")?;
-        let seconds = said["seconds"].as_f64().ok_or("the peer told no seconds")?;
+        let seconds =
+            Seconds { wall: said["seconds"].as_f64().ok_or("the peer told no seconds")?, cores: said["core_seconds"].as_f64() };
         let bytes = std::fs::read(&self.file)?;
         let b =
             bytes.chunks_exact(12).map(|c| [0, 4, 8].map(|k| f32::from_le_bytes([c[k], c[k + 1], c[k + 2], c[k + 3]]) as f64));

@@ -273,11 +273,18 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// `count` points of a scene, uniform over the area that reflects or emits, stratified, covered places left out.
+/// `count` points of a scene, uniform over the area that reflects, stratified, covered places left out.
 ///
-/// Fewer where most of the surface is covered.
+/// Lamps are left out where anything else reflects: what they send is known beforehand, and so much that the mean light,
+/// which errors are told by, would be theirs and hang on how many points happen to lie on them. Fewer points where most of
+/// the surface is covered.
 pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<SurfacePoint> {
-    let areas: Vec<f64> = (0..geometry.tris.len()).map(|t| if geometry.is_live(t) { geometry.areas[t] } else { 0.0 }).collect();
+    let shines = |t: usize| geometry.material_of(t).emit != [0.0; 3];
+    let reflects = |t: usize| geometry.material_of(t).rho != [0.0; 3];
+    let all = 0..geometry.tris.len();
+    let lamps_alone = !all.clone().any(|t| reflects(t) && !shines(t));
+    let wanted = |t: usize| if lamps_alone { geometry.is_live(t) } else { reflects(t) && !shines(t) };
+    let areas: Vec<f64> = all.map(|t| if wanted(t) { geometry.areas[t] } else { 0.0 }).collect();
     let total: f64 = areas.iter().sum();
     let mut ends = Vec::with_capacity(areas.len());
     let mut sum = 0.0;
@@ -475,6 +482,23 @@ mod tests {
             let covered = |t: &Truth| t.flags.iter().filter(|f| **f == Flag::Covered).count();
             assert_eq!(covered(&truth), covered(&known), "{name}");
         }
+    }
+
+    #[test]
+    fn points_lie_on_what_reflects() {
+        let (scene, known) = shipped("cornell");
+        let geometry = Geometry::new(&scene).unwrap();
+        let points = sample_points(&geometry, 512, 1);
+        assert_eq!(points.len(), 512);
+        let tri = |p: &SurfacePoint| geometry.locate(p.p, p.n).unwrap().tri as usize;
+        assert!(points.iter().all(|p| geometry.material_of(tri(p)).emit == [0.0; 3]));
+        // As on the shipped points: the floor is a fifth of all walls, and their mean height is about half the room's.
+        let share = |points: &[SurfacePoint]| points.iter().filter(|p| p.n[1] > 0.9).count() as f64 / points.len() as f64;
+        let height = |points: &[SurfacePoint]| points.iter().map(|p| p.p[1]).sum::<f64>() / points.len() as f64;
+        assert!((share(&points) - share(&known.points)).abs() < 0.05, "{} {}", share(&points), share(&known.points));
+        assert!((height(&points) / height(&known.points) - 1.0).abs() < 0.1);
+        let truth = traced(&scene, &points, 512);
+        assert!((truth.mean() / known.mean() - 1.0).abs() < 0.1, "{} {}", truth.mean(), known.mean());
     }
 
     #[test]

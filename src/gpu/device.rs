@@ -201,7 +201,8 @@ pub fn open(backend: BackendChoice, adapter: Option<&str>) -> Result<OpenDevice>
     };
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         label: Some("raycell"),
-        required_features: Gpu::required_features(),
+        // Timestamps where there are any: `Gpu::time_kernels` may be asked for them.
+        required_features: Gpu::required_features() | (adapter.features() & wgpu::Features::TIMESTAMP_QUERY),
         required_limits: limits,
         ..Default::default()
     }))

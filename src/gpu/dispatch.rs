@@ -216,14 +216,14 @@ impl Gpu {
         let mut all = (0..times).flat_map(|_| jobs);
         match &self.route {
             Route::Host(_) => all.try_for_each(|job| self.run_job(job)),
-            Route::Queue(queue) => self.submit(
-                queue,
-                || jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", "),
-                |encoder| {
-                    let mut pass = encoder.begin_compute_pass(&Default::default());
-                    all.for_each(|job| job.encode(&mut pass));
-                },
-            ),
+            Route::Queue(queue) => {
+                let names = || jobs.iter().map(|j| j.name).collect::<Vec<_>>().join(", ");
+                let record = |pass: &mut wgpu::ComputePass| all.for_each(|job| job.encode(pass));
+                self.submit(queue, names, |encoder| match self.times.timer() {
+                    Some(timer) => self.times.pass(timer, &self.device, encoder, names(), record),
+                    None => record(&mut encoder.begin_compute_pass(&Default::default())),
+                })
+            }
         }
     }
 

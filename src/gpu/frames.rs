@@ -5,6 +5,7 @@
 //! where the host's device has them, else from when the host hears that a slice is done.
 
 use super::Job;
+use super::stamps::{Stamps, Timer};
 use super::work::Work;
 use crate::error::{Error, Result};
 use std::collections::{HashMap, VecDeque};
@@ -95,20 +96,6 @@ impl Drop for Sent {
             state.unsubmitted = true;
             self.frames.changed.notify_all();
         }
-    }
-}
-
-/// A device that tells the time of its passes.
-#[derive(Debug)]
-pub(crate) struct Timer {
-    /// Nanoseconds a tick.
-    period: f64,
-}
-
-impl Timer {
-    /// A timer, where the host's device has timestamps.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Timer> {
-        device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Timer { period: queue.get_timestamp_period().into() })
     }
 }
 
@@ -347,46 +334,6 @@ fn part(job: &Job, rest: &Range<u32>, wanted: f64) -> u32 {
     let items = ((wanted / job.share) as u32).max(1);
     let whole = if items > group { items - items % group } else { items };
     whole.min(rest.len() as u32)
-}
-
-/// Two timestamps around a pass.
-struct Stamps {
-    set: wgpu::QuerySet,
-    period: f64,
-}
-
-impl Stamps {
-    fn new(device: &wgpu::Device, timer: &Timer) -> Stamps {
-        let descriptor = wgpu::QuerySetDescriptor { label: Some("raycell.time"), ty: wgpu::QueryType::Timestamp, count: 2 };
-        Stamps { set: device.create_query_set(&descriptor), period: timer.period }
-    }
-
-    fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
-        wgpu::ComputePassTimestampWrites {
-            query_set: &self.set,
-            beginning_of_pass_write_index: Some(0),
-            end_of_pass_write_index: Some(1),
-        }
-    }
-
-    /// Has the seconds between the two sent to `then`; none where they could not be read.
-    fn read(self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, then: impl FnOnce(Option<f64>) + Send + 'static) {
-        let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: 16, usage, mapped_at_creation: false })
-        };
-        let resolved = buffer("raycell.time", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
-        let staging = buffer("raycell.time.staging", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-        encoder.resolve_query_set(&self.set, 0..2, &resolved, 0);
-        encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, 16);
-        let mapped = staging.clone();
-        encoder.map_buffer_on_submit(&staging, wgpu::MapMode::Read, .., move |result| {
-            let view = result.ok().and_then(|()| mapped.get_mapped_range(..).ok());
-            let ticks = view.map(|view| bytemuck::pod_read_unaligned::<[u64; 2]>(&view));
-            // Drivers that reset their clock within a pass tell nothing.
-            let seconds = ticks.and_then(|[a, b]| b.checked_sub(a)).map(|t| t as f64 * self.period * 1e-9);
-            then(seconds.filter(|s| *s > 0.0));
-        });
-    }
 }
 
 impl std::fmt::Debug for State {

@@ -17,6 +17,7 @@ mod publish;
 pub mod readback;
 #[doc(hidden)]
 pub mod sentinel;
+pub(crate) mod stamps;
 #[doc(hidden)]
 pub mod wgsl;
 mod work;
@@ -32,6 +33,7 @@ pub use kernel::{Access, Constants, Kernel, Pipeline};
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use frames::Frames;
+use stamps::Times;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
@@ -44,6 +46,7 @@ pub struct Gpu {
     pub device: wgpu::Device,
     route: Route,
     kernels: Mutex<HashMap<(&'static str, Constants), Arc<Pipeline>>>,
+    times: Times,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
     /// Bytes that vectors hold on the device.
@@ -115,7 +118,7 @@ impl Gpu {
         let device = device.clone();
         let bytes = Arc::default();
         let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len(), None)?;
-        Ok(Gpu { device, route, kernels: Mutex::default(), status, bytes })
+        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes })
     }
 
     /// The buffer of finished flags, to bind as `status`.

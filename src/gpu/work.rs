@@ -97,7 +97,13 @@ impl Gpu {
     /// Hands work over; does not wait. Errors: those of recording it; [`crate::Error::Cancelled`] where the host is gone.
     pub(super) fn hand(&self, stage: impl Fn() -> String, work: Work) -> Result<()> {
         match &self.route {
-            Route::Queue(queue) => self.submit(queue, stage, |encoder| work.record(&self.device, encoder)),
+            Route::Queue(queue) => self.submit(queue, stage, |encoder| match (work, self.times.timer()) {
+                (Work::Dispatch { job, items }, Some(timer)) => {
+                    let record = |pass: &mut wgpu::ComputePass| job.encode_part(&self.device, items, pass);
+                    self.times.pass(timer, &self.device, encoder, job.name.into(), record);
+                }
+                (work, _) => work.record(&self.device, encoder),
+            }),
             Route::Host(frames) => frames.push(work),
         }
     }

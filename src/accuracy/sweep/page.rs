@@ -75,10 +75,11 @@ pub fn sentence(record: &Record, kind: Kind) -> String {
     }
 }
 
-/// A forecast in words.
-pub fn forecast(f: Option<Forecast>) -> String {
+/// A forecast in words. What is cheaper than all runs is not told to the second: a bake takes its least time whatever it does.
+pub fn forecast(line: &Fit, f: Option<Forecast>) -> String {
     match f {
         None => "not this way".into(),
+        Some(f) if f.beyond && f.cost < line.costs[0] => format!("under {}", duration(line.costs[0])),
         Some(f) => {
             let far = if f.beyond { "*" } else { "" };
             format!("{}{far} ({} to {})", duration(f.cost), duration(f.low), duration(f.high))
@@ -212,17 +213,14 @@ pub fn write(dir: &Path, record: &Record, peers: &[Peer], drawings: &Drawings) -
     }
     html += "</ul>\n<h2 id=\"forecast\">What would it cost?</h2>\n<p>Seconds on this machine for a bake and its answers at the points, \
              and in brackets the interval that nine of ten further runs would lie in, by the scatter of those made. An asterisk: no \
-             run came near, the line goes on beyond them.</p>\n<div class=\"wide\"><table>\n<tr><th>method</th>";
+             run came near, the line goes on beyond them. \"Under\": the cheapest run was better already.</p>\n<div class=\"wide\"><table>\n<tr><th>method</th>";
     GOALS.iter().for_each(|g| html += &format!("<th>{} error</th>", cent(*g)));
     html += "</tr>\n";
     for kind in record.kinds() {
         let line = fit(record, kind);
         html += &format!("<tr><td>{}</td>", escape(kind.title()));
         for goal in GOALS {
-            let cell = match (line, line.and_then(|l| l.forecast(goal))) {
-                (None, _) => "no line".to_string(),
-                (_, f) => forecast(f),
-            };
+            let cell = line.map_or("no line".to_string(), |l| forecast(&l, l.forecast(goal)));
             html += &format!("<td>{cell}</td>");
         }
         html += "</tr>\n";
