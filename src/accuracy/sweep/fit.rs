@@ -121,8 +121,7 @@ mod tests {
         let f = fit.forecast(0.02).unwrap();
         // t(6) * 0.116 * 1.1 / 0.5 = 0.49 in ln.
         assert!((fit.exponent - 0.5).abs() < 0.03 && (1.5..1.8).contains(&(f.high / f.cost)), "{fit:?} {f:?}");
-        let flat: Vec<[f64; 2]> =
-            runs.iter().map(|r| [r[0], 0.02 + 1e-3 * (r[1] > 0.05) as u8 as f64 * 0.0 + 1e-4 * r[0].sin()]).collect();
+        let flat: Vec<[f64; 2]> = runs.iter().map(|r| [r[0], 0.02 + 1e-4 * r[0].sin()]).collect();
         assert!(Fit::new(&flat).unwrap().forecast(0.01).is_none());
         assert!(Fit::new(&[[1.0, 0.1], [1.1, 0.09], [8.0, 0.02]]).is_none());
     }

@@ -262,7 +262,8 @@ pub fn write(dir: &Path, record: &Record, peers: &[Peer], drawings: &Drawings) -
     html += &format!(
         "<h2 id=\"resources\">Error against work, storage and memory</h2>\n{}\n<p>Rays for networks and raw rays, evaluations of the \
          kernel (a ray each) for finite elements and the hierarchical method. Coefficients are what would be kept to light the \
-         scene again.</p>\n",
+         scene again. Finite elements hold theirs in the process, not on the device: the last column of <a href=\"#runs\">all \
+         settings</a> has both.</p>\n",
         drawings.resources
     );
     html += &format!(
