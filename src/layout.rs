@@ -95,8 +95,9 @@ pub struct Emitter {
     pub cdf: u32,
     /// Sampling density over the triangle, per local area.
     pub density: f32,
-    /// Padding.
-    pub pad0: u32,
+    /// Square of the local distance from its first corner beyond which it takes up little of any direction's share:
+    /// see [`crate::twin::direct::near2`].
+    pub near2: f32,
 }
 
 /// A tile's share of the start distribution (8 bytes).

@@ -50,6 +50,8 @@ pub mod error;
 pub mod gpu;
 #[doc(hidden)]
 pub mod layout;
+#[cfg(feature = "cli")]
+mod memory;
 #[doc(hidden)]
 pub mod network;
 pub mod output;

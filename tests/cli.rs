@@ -114,7 +114,7 @@ fn promised_flags_and_commands_are_refused_by_name() {
         let name = flag.split([' ', '=']).next().unwrap();
         dir.refuses(&format!("bake s.obj --backend cpu {flag}"), 2, &[&format!("raycell: error: {name} is not built yet; ")]);
     }
-    for command in ["relight x.rcell", "sweep s.obj", "explain s.obj"] {
+    for command in ["relight x.rcell", "explain s.obj"] {
         let name = command.split(' ').next().unwrap();
         dir.refuses(command, 2, &[&format!("raycell: error: {name} is not built yet; ")]);
     }
@@ -379,4 +379,105 @@ fn a_bake_leaves_what_was_asked_for() {
     let output = dir.run("render out/solution.rcell --backend cpu --camera c.json --width 8 --height 6 -o a.exr");
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(fs::read(dir.path("a.exr")).unwrap(), fs::read(dir.path("out/picture.exr")).unwrap());
+}
+
+/// A closed room of twelve triangles, one of them a lamp.
+fn room() -> Dir {
+    let mut obj = String::from("mtllib s.mtl\n");
+    for i in 0..8 {
+        obj += &format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2 & 1);
+    }
+    for (i, [a, b, c, d]) in
+        [[1, 3, 7, 5], [2, 6, 8, 4], [1, 5, 6, 2], [3, 4, 8, 7], [1, 2, 4, 3], [5, 7, 8, 6]].iter().enumerate()
+    {
+        obj += &format!("usemtl {}\nf {a} {b} {c}\nusemtl m\nf {a} {c} {d}\n", if i == 3 { "lamp" } else { "m" });
+    }
+    Dir::new().with("s.obj", &obj).with("s.mtl", "newmtl m\nKd 0.5 0.6 0.4\nnewmtl lamp\nKd 0.2 0.2 0.2\nKe 5 4 3\n")
+}
+
+/// A small sweep: its files, its page, and that a second call makes no run again.
+#[test]
+fn a_sweep_leaves_a_page_and_goes_on() {
+    let dir = room();
+    let small = "sweep s.obj --backend cpu -o out --points 24 --paths 4096 --seeds 2 --patches 16,48,160 --cells 16 \
+                 --eye .1,.2,.3 --target .9,.5,.8 --width 24 --height 16 --rays";
+    let sweep = format!("{small} 1024,2048 --methods network,fem,paper,rays,hierarchical,network-direct");
+    let output = dir.run(&sweep);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let file =
+        |name: &str| fs::read_to_string(dir.path(&format!("out/{name}"))).unwrap_or_else(|e| panic!("{name}: {e}\n{stderr}"));
+    let csv = file("sweep.csv");
+    // Two seeds of: two settings of rays, thrice; three of patches, twice; one of cells.
+    assert_eq!(csv.lines().count(), 1 + 2 * (3 * 2 + 2 * 3 + 1), "{csv}");
+    let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name}"));
+    for row in csv.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        assert_eq!(cells.len(), header.len(), "{row}");
+        let number = |name: &str| cells[column(name)].parse::<f64>().unwrap_or_else(|e| panic!("{name} of {row}: {e}"));
+        // The room is simple: whatever but paper mode is right to a tenth.
+        let most = if cells[0] == "paper" { 3.0 } else { 0.1 };
+        assert!((0.0..most).contains(&number("rrmse")) && number("reference_noise") > 0.0, "{row}");
+        let stages: f64 = header.iter().filter(|h| h.ends_with("_s")).map(|h| number(h)).sum();
+        let seconds = number("bake_seconds") + number("readout_seconds");
+        assert!(seconds > 0.0 && stages >= 0.999 * seconds && stages < 1.05 * seconds + 0.01, "{row}");
+        assert!(number("coefficients") > 0.0 && number("rays") > 0.0, "{row}");
+    }
+    let html = file("index.html");
+    for part in ["cost", "forecast", "errors", "looks", "estimate", "resources", "stages", "runs", "how"] {
+        assert!(html.contains(&format!("<h2 id=\"{part}\">")), "{part}");
+    }
+    assert_eq!(html.matches("<svg").count(), html.matches("http://www.w3.org/2000/svg").count());
+    // Packed pictures may hold any word.
+    let mut parts = html.split("base64,");
+    let words: String = parts.next().into_iter().chain(parts.filter_map(|p| Some(p.split_once('"')?.1))).collect();
+    let elsewhere = words.replace("http://www.w3.org/2000/svg", "");
+    for word in ["http:", "https:", "src=\"//", "url(", "<script", "<link", "NaN", "inf "] {
+        assert!(!elsewhere.contains(word), "{word}");
+    }
+    for name in ["errors.svg", "resources.svg", "stages.svg"] {
+        assert!(file(name).ends_with("</svg>\n"), "{name}");
+    }
+    for name in ["errors.png", "resources.png", "stages.png", "reference.png"] {
+        assert!(fs::read(dir.path(&format!("out/{name}"))).unwrap().starts_with(b"\x89PNG"), "{name}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&file("sweep.json")).unwrap();
+    assert_eq!(json["rows"].as_array().unwrap().len(), 26);
+
+    // Again: nothing is run, and the page is the same. One setting more: only that.
+    let again = dir.run(&sweep);
+    assert!(String::from_utf8_lossy(&again.stderr).contains("all 26 runs are there"));
+    assert_eq!((file("sweep.csv"), file("index.html")), (csv.clone(), html));
+    let more = dir.run(&format!("{small} 1024,2048,4096 --methods network --json"));
+    let more: serde_json::Value = serde_json::from_slice(&more.stdout).unwrap();
+    assert_eq!(more["runs"], 28);
+    assert!(more["methods"]["network"]["runs"] == 6 && file("sweep.csv").starts_with(&csv));
+
+    // Another scene has no business here.
+    let mtl = fs::read_to_string(dir.path("s.mtl")).unwrap().replace("0.5", "0.51");
+    fs::write(dir.path("s.mtl"), mtl).unwrap();
+    let other = dir.run(&sweep);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("is of another scene"), "{}", String::from_utf8_lossy(&other.stderr));
+}
+
+#[test]
+fn bad_sweeps_are_refused() {
+    let dir = room().with("t.csv", "px,py,pz,nx,ny,nz,B_r,B_g\n").with("p.csv", "method,points\nx\n").with("file", "");
+    for (args, part) in [
+        ("sweep s.obj --backend cpu --reference gone.csv -o .", "cannot read gone.csv"),
+        ("sweep s.obj --backend cpu --reference t.csv -o .", "B_r, B_g and B_b is missing"),
+        ("sweep s.obj --backend cpu --peers p.csv -o .", "p.csv:2: 'x' is no such row"),
+        ("sweep s.obj --backend cpu --rays 5", "rays = 5 is out of range"),
+        ("sweep s.obj --backend cpu --minutes 0", "minutes = 0 is out of range"),
+        ("sweep s.obj --backend cpu --methods abacus", "abacus"),
+        ("sweep s.obj --backend cpu -o file", "cannot write file"),
+    ] {
+        dir.refuses(args, 2, &[part]);
+    }
+    let dark = grey().with("s.mtl", "newmtl m\nKd 0.5 0.5 0.5\n");
+    let output = dark.run("sweep s.obj --backend cpu -o out");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("no light reaches any point"));
 }

@@ -92,7 +92,7 @@ fn records_match() {
         ("BvhNode", layout!(layout::BvhNode { min, count, max, first })),
         ("Tri", layout!(layout::Tri { v0, material, v1, plane, v2, first_tile, normal, split })),
         ("Material", layout!(layout::Material { rho, pad0, emit, pad1 })),
-        ("Emitter", layout!(layout::Emitter { tri, cdf, density, pad0 })),
+        ("Emitter", layout!(layout::Emitter { tri, cdf, density, near2 })),
         ("Tile", layout!(layout::Tile { cdf, density })),
         ("Point", layout!(layout::Point { p, tri, tile, kind, weight, density })),
         ("Node", layout!(layout::Node { p, material, n, plane, mean, pad0 })),

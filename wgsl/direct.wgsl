@@ -33,10 +33,28 @@ fn cdf(i: u32) -> u32 {
     return emitters[i].cdf;
 }
 
-// One sample of the emitters' area.
-fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
+// Emitters up to which each is asked whether it is near.
+const FEW: u32 = 64u;
+
+// Whether cosine directions have a share in what is found at p: near an emitter, or among many.
+fn is_near(p: vec3<f32>) -> bool {
+    if params.emitters > FEW {
+        return true;
+    }
+    var near = false;
+    var e = 0u;
+    for (; e < params.emitters; e++) {
+        let d = p - tris[emitters[e].tri].v0;
+        near = near || dot3(d, d) < emitters[e].near2;
+    }
+    unfinished = unfinished || e < params.emitters;
+    return near;
+}
+
+// One sample of the emitters' area, beside `cosine` directions.
+fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>, cosine: u32) -> vec3<f32> {
     let ne = f32(params.emitter);
-    let nc = f32(params.cosine);
+    let nc = f32(cosine);
     let u = sobol4(k, seed);
     let drawn = invert_cdf(params.emitters, u.x);
     let there = emitters[drawn.index].tri;
@@ -87,6 +105,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let p = points[i].p;
     let seed = seed_of(params.seed, i);
+    let cosine = select(0u, params.cosine, is_near(p));
     var sum = sums[i].sum;
     var square = sums[i].square;
     var r = params.first;
@@ -94,14 +113,14 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         var d = vec3<f32>();
         var k = r * params.emitter;
         for (; k < (r + 1u) * params.emitter; k++) {
-            d += area_sample(k, seed, tri, p);
+            d += area_sample(k, seed, tri, p, cosine);
         }
         unfinished = unfinished || k < (r + 1u) * params.emitter;
-        k = r * params.cosine;
-        for (; k < (r + 1u) * params.cosine; k++) {
+        k = r * cosine;
+        for (; k < (r + 1u) * cosine; k++) {
             d += cosine_sample(k, seed, tri, p);
         }
-        unfinished = unfinished || k < (r + 1u) * params.cosine;
+        unfinished = unfinished || k < (r + 1u) * cosine;
         let mean = (d.x + d.y + d.z) * (1.0 / 3.0);
         sum += d;
         square += mean * mean;

@@ -144,7 +144,7 @@ impl Job {
             truth: None,
             python: "python3".into(),
             threads: std::thread::available_parallelism()?.get(),
-            spp: vec![64, 256, 1024],
+            spp: vec![64, 256, 1280],
             reference: 4096,
             seeds: 1,
             at: 0.03,

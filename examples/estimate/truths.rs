@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Points of a truth.
 const POINTS: usize = 512;
 /// Noise of a truth: half of the least error that is to be seen by it.
-const NOISE: f64 = 0.004;
+const NOISE: f64 = 0.002;
 /// Time that a truth may take; its noise is what it is then, and taken out of every error.
 const TIME: Duration = Duration::from_secs(90);
 /// The shipped scenes in three dimensions with a truth.

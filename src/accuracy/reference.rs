@@ -3,12 +3,18 @@
 //! It knows nothing of nodes and cells, and has no bias: E is known, D is sampled by itself (multiple importance
 //! sampling of the emitters' area and of cosine directions, [`crate::twin::direct`]), all other light by paths that do
 //! the same at each of their ends and that Russian roulette breaks off (Veach 1997, 9 and 10). The error is noise alone,
-//! measured between independent batches. Batches have sequences of their own and add up in their order, in f64: the
-//! same seed gives the same bytes on any number of threads, stopped in between or not.
+//! measured between independent batches. Where a first look finds more noise, more batches are shot; the look itself
+//! does not count, so that what it saw does not sway what is kept. Batches have sequences of their own and add up in
+//! their order, in f64: the same seed gives the same bytes on any number of threads, stopped in between or not.
+//!
+//! Where light comes by rare ways (the far end of a dark corridor) paths find it seldom, and a standard error from few
+//! of them is itself too small.
 
 use super::truth::{Flag, Truth, flag_of};
 use crate::checkpoint::{bytes, digest};
 use crate::error::{Error, Result};
+#[cfg(feature = "cli")]
+use crate::layout::Point;
 use crate::layout::kind;
 use crate::output::atomic;
 use crate::progress::{Event, Progress};
@@ -32,8 +38,10 @@ pub const PATHS: u32 = 128;
 const DIRECT: Samples = Samples { emitter: 128, cosine: 128 };
 /// Samples at the ends of a path; the cosine direction is also the way on.
 const END: Samples = Samples { emitter: 1, cosine: 1 };
-/// Fewest batches: a standard error from fewer means little.
+/// Batches of the first look, and the fewest after it: a standard error from fewer means little.
 const FEWEST: u32 = 16;
+/// Most batches a round at a point.
+const SHARE: f64 = 16.0;
 /// Reflections before roulette begins.
 const SURE: u32 = 2;
 /// Most likely a path goes on: also at reflectance 1 it comes to an end.
@@ -72,7 +80,9 @@ struct Spot {
 struct State {
     /// What it is of: scene, points and seed.
     of: String,
-    batches: u32,
+    /// Batches of a round at each point; none while the first look lasts, whose rounds have one each.
+    share: Vec<u32>,
+    rounds: u32,
     sum: Vec<[f64; 3]>,
     square: Vec<[f64; 3]>,
 }
@@ -106,6 +116,23 @@ impl<'a> Reference<'a> {
             })?;
             spots.push(Spot { tri: at.tri, p: Vec3::from(at.p) });
         }
+        Ok(Reference::begin(scene, geometry, points, spots, seed))
+    }
+
+    /// Begins one at places that the passes have found, as what a camera sees: without a first look, all alike.
+    #[cfg(feature = "cli")]
+    pub(super) fn at(scene: &'a Scene, geometry: &'a Geometry, places: &[Point], seed: u32) -> Reference<'a> {
+        let world = |p: &Point| SurfacePoint {
+            p: [0, 1, 2].map(|k| p.p[k] as f64 / geometry.scale + geometry.center[k]),
+            n: geometry.tris[p.tri as usize].normal.map(f64::from),
+        };
+        let spots = places.iter().map(|p| Spot { tri: p.tri, p: Vec3::from(p.p) }).collect();
+        let mut even = Reference::begin(scene, geometry, places.iter().map(world).collect(), spots, seed);
+        even.state.share = vec![1; places.len()];
+        even
+    }
+
+    fn begin(scene: &'a Scene, geometry: &'a Geometry, points: Vec<SurfacePoint>, spots: Vec<Spot>, seed: u32) -> Reference<'a> {
         let coordinates: Vec<f64> = points.iter().flat_map(|p| p.p.into_iter().chain(p.n)).collect();
         let of = digest(&[
             bytes(&geometry.tris),
@@ -115,8 +142,8 @@ impl<'a> Reference<'a> {
             bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine]),
         ]);
         let none = vec![[0.0; 3]; points.len()];
-        let state = State { of, batches: 0, sum: none.clone(), square: none };
-        Ok(Reference { scene, geometry, points, spots, seed, state })
+        let state = State { of, share: Vec::new(), rounds: 0, sum: none.clone(), square: none };
+        Reference { scene, geometry, points, spots, seed, state }
     }
 
     /// Goes on from where [`Reference::save`] was called; from the beginning where `path` is not there.
@@ -129,7 +156,9 @@ impl<'a> Reference<'a> {
             read => read.map_err(|source| Error::Read { path: path.into(), source })?,
         };
         let state: State = serde_json::from_slice(&text).map_err(|e| fail(e.to_string()))?;
-        if state.of != self.state.of || state.sum.len() != self.points.len() || state.square.len() != self.points.len() {
+        let n = self.points.len();
+        let whole = state.sum.len() == n && state.square.len() == n && (state.share.is_empty() || state.share.len() == n);
+        if state.of != self.state.of || !whole {
             return Err(fail("this reference is of another scene, other points or another seed".into()));
         }
         self.state = state;
@@ -143,64 +172,93 @@ impl<'a> Reference<'a> {
         atomic::write(path, &text)
     }
 
-    /// Paths shot at each point.
+    /// Paths shot at each point, or more.
     pub fn paths(&self) -> u64 {
-        self.state.batches as u64 * PATHS as u64
+        self.state.rounds as u64 * PATHS as u64
     }
 
-    /// Traces until the goal is met. Tells points' batches as [`Event::Points`]: of how many, where the noise so far
-    /// lets it be foreseen. Errors: [`Error::Cancelled`]; what has been found stays.
+    /// Traces until the goal is met. Tells points' rounds as [`Event::Points`]: of how many, as the noise so far lets
+    /// foresee. Errors: [`Error::Cancelled`]; what has been found stays.
     pub fn run(&mut self, goal: Goal, progress: &mut Progress) -> Result<()> {
         let start = Instant::now();
-        let most = goal.paths.div_ceil(PATHS as u64).min(u32::MAX as u64 / 2) as u32;
-        // A reference of few points runs several batches at a time.
-        let step = (IN_FLIGHT / self.points.len().max(1)).max(1) as u32;
-        while self.state.batches < most.max(2) {
-            if self.state.batches >= FEWEST.min(most) {
+        let n = self.points.len();
+        let rounds_for = |batches: u32, share: u32| (batches / share.max(1)).max(1);
+        // A reference of few points runs several rounds at a time.
+        let step = rounds_for(IN_FLIGHT as u32, n as u32);
+        while self.state.share.is_empty() {
+            progress.tick()?;
+            self.rounds(step.min(FEWEST - self.state.rounds));
+            if self.state.rounds == FEWEST {
+                self.settle();
+            }
+        }
+        let most = goal.paths.div_ceil(PATHS as u64).clamp(2, u32::MAX as u64 / 2) as u32;
+        while self.state.rounds < most {
+            if self.state.rounds >= FEWEST.min(most) {
                 let noise = self.truth().noise();
                 let late = goal.time.is_some_and(|time| start.elapsed() >= time);
-                if noise <= goal.noise || late {
+                // Where all is dark the noise is no number, and there is nothing to wait for.
+                if noise <= goal.noise || noise.is_nan() || late {
                     return Ok(());
                 }
-                // Noise falls with the root of the batches.
-                let wanted = (self.state.batches as f64 * (noise / goal.noise).powi(2)).min(most as f64) as u64;
-                let n = self.points.len() as u64;
-                progress.event(Event::Points { done: self.state.batches as u64 * n, total: wanted * n })?;
+                // Noise falls with the root of the rounds.
+                let wanted = (self.state.rounds as f64 * (noise / goal.noise).powi(2)).min(most as f64) as u64;
+                progress.event(Event::Points { done: self.state.rounds as u64 * n as u64, total: wanted * n as u64 })?;
             } else {
                 progress.tick()?;
             }
-            self.batch(step.min(most.max(2) - self.state.batches));
+            self.rounds(step.min(most - self.state.rounds));
         }
         Ok(())
     }
 
-    /// Adds `count` batches at every point.
-    fn batch(&mut self, count: u32) {
-        let (first, n) = (self.state.batches, self.spots.len());
-        let found: Vec<[f64; 3]> = (0..n * count as usize)
-            .into_par_iter()
-            .map(|k| {
-                let (i, batch) = (k % n, first + (k / n) as u32);
-                batch_at(self.geometry, self.spots[i], seed_of(seed_of(self.seed, i as u32), batch))
-            })
+    /// Ends the first look: from now on each point gets batches by the noise that was found there.
+    fn settle(&mut self) {
+        let noise: Vec<f64> = self.truth().stderr.iter().map(|s| s.iter().sum()).collect();
+        let mean = noise.iter().sum::<f64>() / noise.len().max(1) as f64;
+        self.state.share =
+            noise.iter().map(|s| if mean > 0.0 { (s / mean).ceil().clamp(1.0, SHARE) as u32 } else { 1 }).collect();
+        self.state.rounds = 0;
+        self.state.sum.fill([0.0; 3]);
+        self.state.square.fill([0.0; 3]);
+    }
+
+    /// Batches of a round at a point.
+    fn share(&self, point: usize) -> u32 {
+        self.state.share.get(point).copied().unwrap_or(1)
+    }
+
+    /// Adds `count` rounds at every point.
+    fn rounds(&mut self, count: u32) {
+        // The first look has seeds of its own.
+        let first = if self.state.share.is_empty() { 0 } else { FEWEST };
+        let mut jobs = Vec::new();
+        for i in 0..self.spots.len() {
+            let share = self.share(i);
+            let from = first + self.state.rounds * share;
+            jobs.extend((from..from + count * share).map(|batch| (i, batch)));
+        }
+        let found: Vec<[f64; 3]> = jobs
+            .par_iter()
+            .map(|&(i, batch)| batch_at(self.geometry, self.spots[i], seed_of(seed_of(self.seed, i as u32), batch)))
             .collect();
-        for (k, h) in found.into_iter().enumerate() {
+        for (&(i, _), h) in jobs.iter().zip(found) {
             for band in 0..3 {
-                self.state.sum[k % n][band] += h[band];
-                self.state.square[k % n][band] += h[band] * h[band];
+                self.state.sum[i][band] += h[band];
+                self.state.square[i][band] += h[band] * h[band];
             }
         }
-        self.state.batches += count;
+        self.state.rounds += count;
     }
 
     /// What is known so far.
     pub fn truth(&self) -> Truth {
-        let m = self.state.batches.max(1) as f64;
         let unscale = self.geometry.arrives / self.geometry.emission_scale;
         let mut truth = Truth { points: self.points.clone(), ..Truth::default() };
         for (i, spot) in self.spots.iter().enumerate() {
             let material = &self.scene.materials[self.geometry.tris[spot.tri as usize].material as usize];
             let (sum, square) = (self.state.sum[i], self.state.square[i]);
+            let m = (self.state.rounds * self.share(i)).max(1) as f64;
             let b = [0, 1, 2].map(|k| PI * material.emission[k] + material.reflectance[k] * sum[k] / m * unscale);
             let stderr = [0, 1, 2].map(|k| {
                 let mean = sum[k] / m;
@@ -215,10 +273,11 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// `count` points of a scene, uniform over the area that reflects and does not shine ([`Geometry::judged`]), stratified,
-/// covered places left out.
+/// `count` points of a scene, uniform over the area that reflects ([`Geometry::judged`]), stratified, covered places left out.
 ///
-/// Fewer where most of the surface is covered.
+/// Lamps are left out where anything else reflects: what they send is known beforehand, and so much that the mean light,
+/// which errors are told by, would be theirs and hang on how many points happen to lie on them. Fewer points where most of
+/// the surface is covered.
 pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<SurfacePoint> {
     let judged = geometry.judged();
     let area = |t: usize| if judged(geometry.material_of(t)) { geometry.areas[t] } else { 0.0 };
@@ -423,6 +482,23 @@ mod tests {
     }
 
     #[test]
+    fn points_lie_on_what_reflects() {
+        let (scene, known) = shipped("cornell");
+        let geometry = Geometry::new(&scene).unwrap();
+        let points = sample_points(&geometry, 512, 1);
+        assert_eq!(points.len(), 512);
+        let tri = |p: &SurfacePoint| geometry.locate(p.p, p.n).unwrap().tri as usize;
+        assert!(points.iter().all(|p| geometry.material_of(tri(p)).emit == [0.0; 3]));
+        // As on the shipped points: the floor is a fifth of all walls, and their mean height is about half the room's.
+        let share = |points: &[SurfacePoint]| points.iter().filter(|p| p.n[1] > 0.9).count() as f64 / points.len() as f64;
+        let height = |points: &[SurfacePoint]| points.iter().map(|p| p.p[1]).sum::<f64>() / points.len() as f64;
+        assert!((share(&points) - share(&known.points)).abs() < 0.05, "{} {}", share(&points), share(&known.points));
+        assert!((height(&points) / height(&known.points) - 1.0).abs() < 0.1);
+        let truth = traced(&scene, &points, 512);
+        assert!((truth.mean() / known.mean() - 1.0).abs() < 0.1, "{} {}", truth.mean(), known.mean());
+    }
+
+    #[test]
     fn threads_and_stops_do_not_show() {
         let (scene, known) = shipped("cornell");
         let geometry = Geometry::new(&scene).unwrap();
@@ -450,7 +526,7 @@ mod tests {
         let stop = stopped.run(
             goal(u64::MAX),
             &mut Progress::new(&mut |e| match e {
-                Event::Points { done, .. } if *done > 0 => Flow::Stop,
+                Event::Points { .. } => Flow::Stop,
                 _ => Flow::Continue,
             }),
         );

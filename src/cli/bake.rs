@@ -15,6 +15,7 @@ use crate::accuracy::{self, Climb};
 use crate::bake_from;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::output::mesh::Mesh;
 use crate::output::report::Report;
 use crate::output::{glb, image, ply, points, report};
@@ -118,7 +119,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let asked = Asked { points: points_in.as_deref(), camera, vertices: flags.vertices.is_some() };
     let fill = |report: &mut Report| {
         report.adapter = machine.adapter.clone();
-        report.memory_bytes.host = host_bytes();
+        report.memory_bytes.host = memory::peak();
         report.seconds.load = Some(load.as_secs_f64());
         report.seconds.total = Some(begin.elapsed().as_secs_f64());
     };
@@ -274,13 +275,6 @@ fn work(
     let mesh = asked.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, stop, event))).transpose();
     let mesh = machine.judge("the vertices", mesh)?;
     Ok(Found { solution, answers, picture, mesh, readout: begin.elapsed() })
-}
-
-/// Most memory this process has held, where the system tells.
-fn host_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
 }
 
 /// Refuses a folder that cannot be one, before the work and without making it.

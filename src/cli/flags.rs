@@ -1,7 +1,7 @@
 //! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
 
 use super::console::Console;
-use super::{adapters, bake, completions, doctor, man, paper, query, render};
+use super::{adapters, bake, completions, doctor, man, paper, query, render, sweep};
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
@@ -9,7 +9,6 @@ use std::ffi::OsString;
 const NOT_BUILT: &[(&str, &str)] = &[
     ("--effects", "every bake has diffuse light with exact shadows"),
     ("relight", "bake again with the new lights"),
-    ("sweep", "bake with several --rays"),
     ("explain", "every bake has diffuse light with exact shadows"),
 ];
 
@@ -90,6 +89,8 @@ pub enum Command {
     Query(query::Flags),
     /// A picture, from a solution or straight from a scene.
     Render(render::Flags),
+    /// What accuracy costs: the error of every method against time, in words, plots and pictures.
+    Sweep(sweep::Flags),
     /// The seed paper's figures, made again: pictures, data, numbers, and a page of all.
     Paper(paper::Flags),
     /// Say what is wrong with a scene: each fault with its object, a number and the cure.

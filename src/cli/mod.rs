@@ -13,6 +13,7 @@ mod paper;
 mod query;
 mod render;
 mod shared;
+mod sweep;
 
 use crate::error::Error;
 use clap::error::ErrorKind;
@@ -66,6 +67,7 @@ fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
         Command::Bake(flags) => return bake::run(flags, console),
         Command::Query(flags) => query::run(flags, console),
         Command::Render(flags) => render::run(flags, console),
+        Command::Sweep(flags) => return sweep::run(flags, console),
         Command::Paper(flags) => return paper::run(flags, console),
         Command::Doctor(flags) => doctor::run(flags),
         Command::Adapters(flags) => adapters::run(flags),

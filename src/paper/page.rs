@@ -8,7 +8,7 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use std::path::Path;
 
-const STYLE: &str = "\
+pub(crate) const STYLE: &str = "\
 body { font: 16px/1.5 'DejaVu Sans', Verdana, sans-serif; color: #222; max-width: 1240px; margin: 2em auto; padding: 0 1em }
 h1, h2 { font-weight: normal } h2 { margin-top: 2.5em; border-top: 1px solid #ccc; padding-top: 1em }
 img { width: 100% } p { max-width: 56em } table { border-collapse: collapse; margin: 1em 0 }
@@ -46,6 +46,6 @@ pub fn write(dir: &Path, figures: &[Figure]) -> Result<()> {
     atomic::write(&dir.join("index.html"), html.as_bytes())
 }
 
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

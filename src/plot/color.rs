@@ -58,6 +58,12 @@ impl Map {
     }
 }
 
+/// What is too little or too much, from -1 (blue) over 0 (white) to 1 (red); ends stand for all beyond.
+pub fn signed(x: f64) -> RGBColor {
+    let to = if x < 0.0 { SERIES[1] } else { SERIES[0] };
+    shade(to, 1.0 - x.abs().min(1.0))
+}
+
 /// A colour nearer to white (`share` above 0) or black (below).
 pub fn shade(c: RGBColor, share: f64) -> RGBColor {
     let to = if share > 0.0 { 255.0 } else { 0.0 };

@@ -10,7 +10,7 @@ mod sheet;
 pub mod surface;
 
 pub use color::Map;
-pub use sheet::{Area, Drawing, draw, unit};
+pub use sheet::{Area, Drawing, draw, png, unit};
 
 /// What drawing may fail with.
 pub type Fault = Box<dyn std::error::Error + Send + Sync>;

@@ -6,6 +6,8 @@ use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use crate::params::{Norm, Params};
+use crate::twin::direct::near2;
+use glam::Vec3;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
@@ -243,7 +245,12 @@ impl Geometry {
             .into_iter()
             .zip(&shining)
             .zip(&powers)
-            .map(|((cdf, &t), p)| Emitter { tri: t as u32, cdf, density: (p / all / areas[t]) as f32, pad0: 0 })
+            .map(|((cdf, &t), p)| {
+                let density = p / all / areas[t];
+                let corner = |v: [f32; 3]| (Vec3::from(v) - Vec3::from(tris[t].v0)).length() as f64;
+                let longest = corner(tris[t].v1).max(corner(tris[t].v2));
+                Emitter { tri: t as u32, cdf, density: density as f32, near2: near2(flatland, longest, density) }
+            })
             .collect();
 
         let lit = area.max(1e-3 * total);

@@ -2,7 +2,7 @@
 
 pub(crate) mod check;
 mod file;
-mod picture;
+pub(crate) mod picture;
 pub(crate) mod sections;
 mod vertices;
 

@@ -83,6 +83,11 @@ impl Camera {
     }
 }
 
+/// What a camera sees through each pixel's centre, rows from the top: a point on a front face, or nothing.
+pub(crate) fn seen(scene: &Scene, geometry: &Geometry, camera: &Camera) -> Result<Vec<Option<Point>>> {
+    if scene.is_flatland() { primary_feet(scene, geometry, camera) } else { Ok(primary_hits(geometry, camera)) }
+}
+
 /// What a camera sees of the walls on a flatland scene's segments: the point at the foot of the wall.
 fn primary_feet(scene: &Scene, geometry: &Geometry, camera: &Camera) -> Result<Vec<Option<Point>>> {
     let walls = Geometry::new(&scene.extruded())?;
@@ -131,11 +136,7 @@ impl Solution {
     /// As [`Solution::render`], telling its progress.
     pub fn render_with(&self, backend: &Backend, camera: &Camera, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Image> {
         camera.check()?;
-        let hits = if self.scene.is_flatland() {
-            primary_feet(&self.scene, &self.geometry, camera)?
-        } else {
-            primary_hits(&self.geometry, camera)
-        };
+        let hits = seen(&self.scene, &self.geometry, camera)?;
         let points: Vec<Point> = hits.iter().flatten().copied().collect();
         let params = Params {
             direct_tolerance: self.params.direct_tolerance.max(DIRECT_TOLERANCE),

@@ -2,7 +2,8 @@
 //!
 //! `emitter` samples of the emitters' area and `cosine` directions a round, weighted by the balance
 //! heuristic: a sample at x with area density p and kernel G counts E G / (n_e p + n_c G), which never
-//! exceeds E / n_c, also where emitters touch receivers.
+//! exceeds E / n_c, also where emitters touch receivers. Where every emitter is far, G / p is small, cosine directions would
+//! hardly ever meet one, and none are shot: n_c is 0, and a sample counts at most [`FAR`] E / n_e.
 
 use super::emit::first_hit;
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
@@ -12,6 +13,7 @@ use crate::layout::{DirectSum, NONE, Point, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Samples of one round.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +56,31 @@ pub fn from_direction(geometry: &Geometry, n: Vec3, direction: Vec3, hit: &Hit, 
     Vec3::ZERO
 }
 
+/// G / p below which cosine directions are left out.
+pub const FAR: f64 = 0.5;
+/// Emitters up to which each is asked whether it is near; where there are more, one always may be.
+const FEW: usize = 64;
+
+/// The square of the distance from a corner of an emitter, whose other corners are at most `longest` away, beyond which
+/// G / p is below [`FAR`] for all of its points; `density` is p.
+pub fn near2(flatland: bool, longest: f64, density: f64) -> f32 {
+    // G is at most 1/(pi r^2), in flatland 1/(2 r).
+    let far = if flatland { 0.5 / (FAR * density) } else { (1.0 / (PI * FAR * density)).sqrt() };
+    (far + longest).powi(2) as f32
+}
+
+/// Whether cosine directions have a share in what is found at p.
+fn is_near(geometry: &Geometry, p: Vec3) -> bool {
+    geometry.emitters.len() > FEW
+        || geometry.emitters.iter().any(|e| {
+            let d = p - Vec3::from(geometry.tris[e.tri as usize].v0);
+            d.dot(d) < e.near2
+        })
+}
+
 /// One round's estimate of D at a surface point.
 pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samples: Samples) -> Vec3 {
+    let samples = Samples { cosine: if is_near(geometry, p) { samples.cosine } else { 0 }, ..samples };
     let n = Vec3::from(geometry.tris[tri as usize].normal);
     let mut sum = Vec3::ZERO;
     for k in round * samples.emitter..(round + 1) * samples.emitter {

@@ -39,7 +39,7 @@ struct Emitter {
     tri: u32,
     cdf: u32, // upper end of its interval, in 2^-32
     density: f32, // per local area
-    pad0: u32,
+    near2: f32, // square of the distance from its first corner beyond which it is far
 }
 
 struct Tile {
