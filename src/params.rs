@@ -287,7 +287,7 @@ impl Params {
         let rays = Self::rays_of(rung);
         let size = f64::from(rays) / f64::from(usual.rays);
         let times = |x: u32, size: f64| (f64::from(x) * size) as u32;
-        let gathers = times(usual.gather_rays, size.sqrt()).clamp(64, 4_096).next_power_of_two();
+        let gathers = 1 << times(usual.gather_rays, size.sqrt()).clamp(64, 4_096).ilog2();
         let near = if self.gather_threshold == usual.gather_threshold { size.powf(0.25).min(1.0) } else { 1.0 };
         Params {
             rays,

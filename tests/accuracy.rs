@@ -70,7 +70,13 @@ fn a_dark_region_does_not_hide_behind_a_bright_one() {
 }
 
 /// Climbs cornell, from and into a checkpoint.
-fn cornell(backend: &Backend, goal: Goal, checkpoint: &mut Checkpoint, solution: Option<Solution>, stop: u32) -> raycell::Result<Solution> {
+fn cornell(
+    backend: &Backend,
+    goal: Goal,
+    checkpoint: &mut Checkpoint,
+    solution: Option<Solution>,
+    stop: u32,
+) -> raycell::Result<Solution> {
     let mut told = 0;
     let climbing = Climb { goal, checkpoint, solution, begin: Instant::now(), reached: &mut |_| Ok(Duration::ZERO) };
     climb(backend, &scene("cornell"), &Params::default(), climbing, &mut |_| {

@@ -8,12 +8,12 @@
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{Node, NodeLight, Point};
-use crate::scene::Geometry;
 use crate::network::tiles;
 use crate::output::report::{ErrorParts, EstimatedError, RegionError};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::solver::Solved;
+use crate::scene::Geometry;
 use crate::shade;
 use crate::solution::Solution;
 use crate::stream::{Stream, stream};
@@ -86,14 +86,7 @@ fn over_nodes(geometry: &Geometry, nodes: &[Node], mass: &[f64], square: impl Fn
 
 /// Variance of radiosity from what a part of the rays (`half`, a `share` of all) and all of them bring to the nodes;
 /// both over the mass of all.
-pub(crate) fn noise(
-    geometry: &Geometry,
-    nodes: &[Node],
-    mass: &[f64],
-    half: &[NodeLight],
-    all: &[NodeLight],
-    share: f64,
-) -> f64 {
+pub(crate) fn noise(geometry: &Geometry, nodes: &[Node], mass: &[f64], half: &[NodeLight], all: &[NodeLight], share: f64) -> f64 {
     // The parts' own means, m1 and m2, differ by m1 - m = (1 - share)(m1 - m2) from the mean of both.
     over_nodes(geometry, nodes, mass, |j, k| {
         let (one, both) = (f64::from(half[j].h[k]) / share, f64::from(all[j].h[k]));
@@ -184,12 +177,8 @@ fn test<E: Engine>(
         let network = [0, 1, 2].map(|k| f64::from(network[i][k]));
         let nearness = 0.5 * (one.nearness + two.nearness);
         let gathered = shade::gathers(params) && shade::wants_gather(params, spacing, nearness, &psi[i]);
-        let mut t = Test {
-            p: geometry.to_world(places[i].p),
-            weight: 1.0 / f64::from(places[i].density),
-            gathered,
-            ..Test::default()
-        };
+        let mut t =
+            Test { p: geometry.to_world(places[i].p), weight: 1.0 / f64::from(places[i].density), gathered, ..Test::default() };
         for k in 0..3 {
             // Without exact direct light the nodes hold all of it.
             let known = if exact { 0.0 } else { d[k] };

@@ -111,13 +111,7 @@ pub fn climb(
     let estimate = report.estimated_error.clone().unwrap_or_default();
     let met = goal.error.map(|error| met(&estimate, error));
     let missed = (met == Some(false)).then(|| missed.unwrap_or_else(|| words(&estimate, &goal, &rungs)));
-    report.target = Some(TargetReport {
-        error: goal.error,
-        seconds: goal.budget.map(|b| b.as_secs_f64()),
-        met,
-        missed,
-        rungs,
-    });
+    report.target = Some(TargetReport { error: goal.error, seconds: goal.budget.map(|b| b.as_secs_f64()), met, missed, rungs });
     Ok(best)
 }
 
@@ -199,8 +193,12 @@ fn unreachable(rungs: &[RungReport], error: f64) -> Option<String> {
     if p < FLAT {
         return Some(format!("more rays do not help any more (the error falls as rays^-{:.2}); what stays: {worst}", p.max(0.0)));
     }
-    (rays > 4.0 * f64::from(Params::rays_of(Params::LAST_RUNG)))
-        .then(|| format!("it would take about {rays:.1e} rays, and {} is the most; what falls slowest: {worst}", Params::rays_of(Params::LAST_RUNG)))
+    (rays > 4.0 * f64::from(Params::rays_of(Params::LAST_RUNG))).then(|| {
+        format!(
+            "it would take about {rays:.1e} rays, and {} is the most; what falls slowest: {worst}",
+            Params::rays_of(Params::LAST_RUNG)
+        )
+    })
 }
 
 /// What stood in the way of a target.
@@ -211,7 +209,10 @@ fn words(estimate: &EstimatedError, goal: &Goal, rungs: &[RungReport]) -> String
         Some(budget) => format!("{:.1} s were not enough: ", budget.as_secs_f64()),
         None => String::new(),
     };
-    text += &format!("the error may be {high:.2} %, and that of the median region {region:.2} %; the largest part: {}", largest(&estimate.parts));
+    text += &format!(
+        "the error may be {high:.2} %, and that of the median region {region:.2} %; the largest part: {}",
+        largest(&estimate.parts)
+    );
     if let (Some(p), Some(last), Some(error)) = (exponent(rungs).filter(|&p| p >= FLAT), rungs.last(), goal.error) {
         let times = (estimate.high / error).max(median_region(&estimate.regions) / (2.0 * error)).powf(1.0 / p);
         text += &format!("; it would take about {:.0} s", predicted(rungs, times.max(2.0)).max(last.seconds));

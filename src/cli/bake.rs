@@ -134,14 +134,20 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
             asked.cost(&machine, solution)
         };
         // Opening the device is start-up.
-        let climb = Climb { goal, checkpoint: &mut kept.checkpoint, solution: there.take(), begin: begin + opening, reached: &mut reached };
+        let climb = Climb {
+            goal,
+            checkpoint: &mut kept.checkpoint,
+            solution: there.take(),
+            begin: begin + opening,
+            reached: &mut reached,
+        };
         let climbed = accuracy::climb(&machine.backend, &scene, &params, climb, &mut |event| heed(&mut log, &stop, event));
         machine.judge("the bake", climbed)
     });
     let baked = there.is_none();
-    let worked = climbed.map_or(Ok(there), |climbed| climbed.map(Some)).and_then(|there| {
-        work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop)
-    });
+    let worked = climbed
+        .map_or(Ok(there), |climbed| climbed.map(Some))
+        .and_then(|there| work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop));
     let Found { mut solution, answers, picture, mesh, readout } = match worked {
         Ok(found) => found,
         Err(error) => {

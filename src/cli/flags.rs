@@ -152,9 +152,7 @@ mod tests {
     #[test]
     fn promised_flags_are_named() {
         let args = |text: &str| text.split_whitespace().map(OsString::from).collect::<Vec<_>>();
-        assert!(
-            not_built(&args("raycell bake a.obj --effects=none")).unwrap().starts_with("--effects is not built yet; ")
-        );
+        assert!(not_built(&args("raycell bake a.obj --effects=none")).unwrap().starts_with("--effects is not built yet; "));
         assert!(not_built(&args("raycell explain a.obj")).unwrap().starts_with("explain"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());

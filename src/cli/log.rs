@@ -73,12 +73,8 @@ impl Log {
                 self.message(format!("sweep {n}, residual {residual:.1e}"));
             }
             Event::Error { rrmse, low, high } => {
-                self.error = Some(format!(
-                    "estimated error {:.2} % ({:.2} to {:.2} %)",
-                    100.0 * rrmse,
-                    100.0 * low,
-                    100.0 * high
-                ));
+                self.error =
+                    Some(format!("estimated error {:.2} % ({:.2} to {:.2} %)", 100.0 * rrmse, 100.0 * low, 100.0 * high));
             }
             Event::Warning(text) => self.warning(text),
             Event::Tick => {}

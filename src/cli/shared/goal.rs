@@ -34,7 +34,8 @@ pub enum Quality {
 impl Flags {
     /// The goal, where there is one. Errors: [`Error::InvalidParam`].
     pub fn goal(&self) -> Result<Option<Goal>> {
-        let percent = |text: &String| number("target-error", text, &[("%", 0.01), ("", 0.01)], [1e-4, 1.0], "give 0.01 to 100 percent");
+        let percent =
+            |text: &String| number("target-error", text, &[("%", 0.01), ("", 0.01)], [1e-4, 1.0], "give 0.01 to 100 percent");
         let seconds = |text: &String| {
             let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("min", 60.0), ("h", 3600.0), ("", 1.0)];
             number("time-budget", text, &units, [0.1, 1e6], "give seconds, as 90, 90s, 1.5m or 2h, from 0.1 s to a million")
