@@ -34,6 +34,8 @@ const CHUNK: usize = 256;
 const MOST_INDIRECT: f64 = 0.99;
 /// The interval's lower end is no farther below the estimate than this factor, but for [`MARGIN`].
 const LOWEST: f64 = 1.6;
+/// Share of the nodes' mean square residual that is left in the mean over what a gather sees.
+const GATHERED: f64 = 0.04;
 /// Variance of an even mean of rounds of direct light over that of a random one.
 const EVEN: f64 = 0.3;
 /// By how much the truth's own points may differ from the tests'.
@@ -187,9 +189,10 @@ fn test<E: Engine>(
             let [a, b] = [one, two].map(|g| rho * (f64::from(g.irradiance[k]) + known));
             // The scatter of a mean over both halves.
             let scatter = (a - b).powi(2) / 4.0;
+            let residual = (own - a) * (own - b);
             let square = match gathered {
-                true => scatter * f64::from(2 * half) / f64::from(params.gather_rays),
-                false => (own - a) * (own - b),
+                true => scatter * f64::from(2 * half) / f64::from(params.gather_rays) + GATHERED * residual,
+                false => residual,
             };
             let reflected = own + if exact { rho * d[k] } else { 0.0 };
             t.indirect += (reflected - rho * d[k]).max(0.0) / 3.0;

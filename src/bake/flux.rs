@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::layout::{DirectSum, NodeSource, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
-use crate::params::{Cells, Direct, Params};
+use crate::params::{Cells, Direct, Method, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
 use crate::radiosity::winding::Winding;
@@ -27,7 +27,7 @@ use crate::twin::winner::Metric;
 
 /// Rays of the pilot network.
 const PILOT_RAYS: u32 = 65_536;
-/// Rays of a bake below which it has no pilot network.
+/// Rays of a network below which it has no pilot.
 const WITH_PILOT: u32 = 8_192;
 /// Cells of the pilot network.
 const PILOT_CELLS: u32 = 512;
@@ -166,7 +166,7 @@ fn pilot<E: Engine>(
     saved.keep(progress)?;
 
     let first: Vec<f64> = sent.iter().map(mean).collect();
-    if exact && params.rays < WITH_PILOT {
+    if exact && params.method == Method::Network && params.rays < WITH_PILOT {
         // A first glance: its rays follow direct light and the area.
         let rays = params.rays;
         let tiles = tiles::starts(geometry, &first, params.alpha);
