@@ -29,7 +29,7 @@ fn errors(solution: &Solution, backend: &Backend, truth: &Truth) -> Errors {
 fn the_true_error_lies_in_its_interval() {
     let Some(backend) = gpu().map(Backend::Gpu) else { return };
     // Other ways to carry light have the same estimate: it knows nothing of how a solution was found.
-    let fem = Params { method: Method::Fem, patches: 800, ..Params::default() };
+    let fem = Params { method: Method::Fem, patches: 800, gather_rays: 0, ..Params::default() };
     let network = Params { direct: Direct::Network, rays: 65_536, ..Params::default() };
     let coarse = Params { rays: 16_384, gather_rays: 0, ..Params::default() };
     let usual = Params { rays: 65_536, ..Params::default() };

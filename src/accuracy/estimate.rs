@@ -35,7 +35,7 @@ const MOST_INDIRECT: f64 = 0.99;
 /// The interval's lower end is no farther below the estimate than this factor, but for [`MARGIN`].
 const LOWEST: f64 = 1.6;
 /// Share of the nodes' mean square residual that is left in the mean over what a gather sees.
-const GATHERED: f64 = 0.04;
+const GATHERED: f64 = 0.08;
 /// Variance of an even mean of rounds of direct light over that of a random one.
 const EVEN: f64 = 0.3;
 /// By how much the truth's own points may differ from the tests'.
