@@ -80,7 +80,8 @@ fn page(all: &Estimates) -> Outcome<String> {
          - {}\n\n## Passes\n\n\
          Milliseconds: median of 10 samples of a run with the host's part in it, ± median absolute deviation. Device: by the \
          device's own clock, where it has one. A pass's share of a limit is its known work a run over the device's time (the \
-         run's where there is no clock); passes that walk the hierarchy have no known work.\n\n\
+         run's where there is no clock); passes that walk the hierarchy have no known work. \
+         A batch this small lies in the processor's cache, so a pass may beat the triad, which does not.\n\n\
          | pass | elements | run ms | device ms | elements/s | of FMA rate | of bandwidth | twin ms |\n|---|---|---|---|---|---|---|---|\n",
         word("adapter"),
         word("backend"),

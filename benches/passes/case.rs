@@ -44,7 +44,7 @@ const fn pass(name: &'static str, element: &'static str, flops: Option<f64>, byt
 pub const PASSES: &[Pass] = &[
     pass("emit", "ray", None, None),
     pass("shoot", "ray", None, None),
-    pass("direct", "ray end of 3 shadow rays", None, None),
+    pass("direct", "ray end of 2 or 3 shadow rays", None, None),
     pass("assign", "point", None, None),
     // Two ends read, a feature written.
     pass("feature", "directed ray", None, Some(32.0 + 32.0 + 64.0)),
