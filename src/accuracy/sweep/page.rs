@@ -71,13 +71,23 @@ pub fn sentence(record: &Record, kind: Kind) -> String {
             f.exponent,
             f.exponent_error
         ),
+        _ if seems_to_fall(&f) => format!(
+            "{}: the error falls ({span}), but its times are too few or too uneven to say what halving costs; more --seeds would.",
+            kind.title()
+        ),
         _ => format!("{}: more time does not bring the error down here ({span}).", kind.title()),
     }
+}
+
+/// Whether a line falls by a good part, surely or not.
+fn seems_to_fall(line: &Fit) -> bool {
+    line.errors[1] < 0.75 * line.errors[0]
 }
 
 /// A forecast in words. What is cheaper than all runs is not told to the second: a bake takes its least time whatever it does.
 pub fn forecast(line: &Fit, f: Option<Forecast>) -> String {
     match f {
+        None if seems_to_fall(line) => "not known".into(),
         None => "not this way".into(),
         Some(f) if f.beyond && f.cost < line.costs[0] => format!("under {}", duration(line.costs[0])),
         Some(f) => {
@@ -309,6 +319,18 @@ pub fn write(dir: &Path, record: &Record, peers: &[Peer], drawings: &Drawings) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_scatters_is_not_said_to_stand() {
+        // Errors fall to a quarter, times hardly differ and scatter; then errors that stand while times grow.
+        let falls = Fit::new(&[[3.3, 0.036], [3.0, 0.034], [2.1, 0.0175], [2.8, 0.017], [4.7, 0.0065], [4.6, 0.0064]]).unwrap();
+        assert!(falls.halving().is_none() && forecast(&falls, falls.forecast(0.01)) == "not known");
+        let stands = Fit::new(&[[1.0, 0.4], [2.0, 0.41], [4.0, 0.39], [8.0, 0.4]]).unwrap();
+        assert_eq!(forecast(&stands, stands.forecast(0.01)), "not this way");
+        let line = Fit::new(&[[1.0, 0.08], [4.0, 0.041], [16.0, 0.02], [64.0, 0.0101]]).unwrap();
+        assert_eq!(forecast(&line, line.forecast(0.2)), "under 1 s");
+        assert!(forecast(&line, line.forecast(0.001)).contains('*'));
+    }
 
     #[test]
     fn durations_read_well() {
