@@ -1,7 +1,7 @@
 //! Flux mode: the network learns the light flow itself (design §1).
 //!
 //! 1. Table direct light on tiles; start rays where it has to be carried on.
-//! 2. Pilot network: a coarse solution that says where light goes (the smallest bakes have none).
+//! 2. Pilot network: a coarse solution that says where light goes.
 //! 3. Full network: rays by importance, nodes where light changes quickly, cells grown on the rays.
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::layout::{DirectSum, NodeSource, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
-use crate::params::{Cells, Direct, Method, Params};
+use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
 use crate::radiosity::winding::Winding;
@@ -27,8 +27,6 @@ use crate::twin::winner::Metric;
 
 /// Rays of the pilot network.
 const PILOT_RAYS: u32 = 65_536;
-/// Rays of a network below which it has no pilot.
-const WITH_PILOT: u32 = 8_192;
 /// Cells of the pilot network.
 const PILOT_CELLS: u32 = 512;
 /// Nodes of the pilot network.
@@ -166,15 +164,6 @@ fn pilot<E: Engine>(
     saved.keep(progress)?;
 
     let first: Vec<f64> = sent.iter().map(mean).collect();
-    if exact && params.method == Method::Network && params.rays < WITH_PILOT {
-        // A first glance: its rays follow direct light and the area.
-        let rays = params.rays;
-        let tiles = tiles::starts(geometry, &first, params.alpha);
-        let batch = engine.emit(&tiles, stream(params.seed, Stream::PilotRays), 0, rays, rays)?;
-        let winding = winding(engine, scene, geometry, &batch, progress)?;
-        let density = vec![1.0; geometry.tiles as usize];
-        return Ok(Pilot { carried: first, density, winding, ..Pilot::default() });
-    }
     let stage = Stage {
         rays: pilot_rays(params),
         cells: PILOT_CELLS,
@@ -188,7 +177,11 @@ fn pilot<E: Engine>(
     };
     let batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
 
-    let winding = winding(engine, scene, geometry, &batches[0], progress)?;
+    // What the pilot's rays met from behind is wound the wrong way round.
+    let winding = Winding::count(scene, geometry, &engine.points(&batches[0])?).warnings(scene);
+    for warning in &winding {
+        progress.event(Event::Warning(warning.clone()))?;
+    }
 
     // Importance: what each tile sends in the pilot's light.
     let (nodes, light) = (saved.network.nodes.clone().unwrap_or_default(), saved.network.light.clone());
@@ -213,21 +206,6 @@ fn pilot<E: Engine>(
     let usual = Params::default().node_count(geometry.pieces, geometry.flatland);
     let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &batches, &carried, usual))?;
     Ok(Pilot { nodes, light, carried, density, winding })
-}
-
-/// What rays met from behind is wound the wrong way round: in words.
-fn winding<E: Engine>(
-    engine: &mut E,
-    scene: &Scene,
-    geometry: &Geometry,
-    batch: &E::Batch,
-    progress: &mut Progress,
-) -> Result<Vec<String>> {
-    let warnings = Winding::count(scene, geometry, &engine.points(batch)?).warnings(scene);
-    for warning in &warnings {
-        progress.event(Event::Warning(warning.clone()))?;
-    }
-    Ok(warnings)
 }
 
 /// Places the nodes and shoots the rays, as far as they are not in the checkpoint already.
