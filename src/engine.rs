@@ -118,6 +118,8 @@ pub trait Engine: Responder {
     fn readout(&mut self, batch: &mut Self::Batch) -> Result<()>;
     /// The irradiance that `readout` found.
     fn irradiance(&mut self, batch: &Self::Batch) -> Result<Vec<[f32; 4]>>;
+    /// Sets irradiance that was found otherwise, a value each point.
+    fn set_irradiance(&mut self, batch: &mut Self::Batch, light: &[[f32; 4]]) -> Result<()>;
     /// Pass `gather`: means over `rays` consecutive hits a point. With `lit`, `readout` (and with
     /// `exact` also `direct`) must have run on the hits; without, only distances and shares are found.
     fn gather(&mut self, hits: &Self::Batch, rays: u32, lit: bool, exact: bool) -> Result<Vec<Gathered>>;

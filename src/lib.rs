@@ -36,7 +36,6 @@
 //!
 //! `cli`, a default feature, is the program; `--no-default-features` builds the library alone.
 
-#[doc(hidden)]
 pub mod accuracy;
 pub mod bake;
 mod baker;
@@ -76,6 +75,7 @@ mod stream;
 #[doc(hidden)]
 pub mod twin;
 
+pub use accuracy::Goal;
 pub use bake::{bake, bake_from};
 pub use baker::{Baked, Baker, LIGHT_TEXTURE_WIDTH, Ready};
 pub use checkpoint::Checkpoint;

@@ -103,8 +103,13 @@ const NODES_PER_ROOT: f64 = 1.4;
 const FLAT_NODES_PER_ROOT: f64 = 0.6;
 /// The same in paper mode, whose nodes carry values alone, for each kernel evaluation.
 const PAPER_NODES_PER_ROOT: f64 = 2.0;
+/// Rays of the first rung of the ladder of sizes.
+const FIRST_RUNG: u32 = 4_096;
 /// Planar pieces beyond which each gets a node.
 const PIECES: u32 = 200;
+
+/// [`Params::gather_threshold`] at which every point with anything near it gets a final gather.
+pub const EVERYWHERE: f64 = 1e9;
 
 /// Parameters of a bake. [`Params::default`] serves every scene; `check` refuses what makes no sense.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -147,7 +152,7 @@ pub struct Params {
     /// Rays of a final gather, 0 (never gather) to 65,536; default 1,024.
     pub gather_rays: u32,
     /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 2.
-    /// Contacts and slots need 0.6; more buys accuracy everywhere for time at each shown point.
+    /// Contacts and slots need 0.6; more buys accuracy everywhere for time at each shown point; [`EVERYWHERE`] is all of them.
     pub gather_threshold: f64,
     /// Times the rays themselves carry the solution once more, 0 to 16; default 2. Takes the cells' error out
     /// of the result (`--direct exact` only), for a pass over the rays.
@@ -264,6 +269,36 @@ impl Params {
             return Err(Error::InvalidParam { name: "mode", value: "paper".into(), range });
         }
         self.paper.check()
+    }
+
+    /// The last rung of the ladder of sizes, 2^24 rays.
+    pub const LAST_RUNG: u32 = 12;
+
+    /// Rays of a rung of the ladder of sizes.
+    pub fn rays_of(rung: u32) -> u32 {
+        FIRST_RUNG << rung.min(Self::LAST_RUNG)
+    }
+
+    /// These parameters on a rung of the ladder of sizes, 0 to [`Params::LAST_RUNG`]: twice the rays of the one before,
+    /// cells and nodes as fit them, and a read-out that scatters as much less as rays do. Methods with patches have
+    /// as many as give coefficients in proportion. [`Params::default`] is rung 7 of itself.
+    pub fn rung(&self, rung: u32) -> Params {
+        let usual = Params::default();
+        let rays = Self::rays_of(rung);
+        let size = f64::from(rays) / f64::from(usual.rays);
+        let times = |x: u32, size: f64| (f64::from(x) * size) as u32;
+        let gathers = 1 << times(usual.gather_rays, size.sqrt()).clamp(64, 4_096).ilog2();
+        let near = if self.gather_threshold == usual.gather_threshold { size.powf(0.25).min(1.0) } else { 1.0 };
+        Params {
+            rays,
+            cells: if self.mode == Mode::Paper { Some((rays / 32).clamp(16, 100_000)) } else { self.cells },
+            direct_tolerance: (usual.direct_tolerance / size.sqrt()).clamp(0.001, 0.03),
+            direct_samples: times(usual.direct_samples, size).clamp(256, 65_536),
+            gather_rays: if self.gather_rays > 0 { gathers } else { 0 },
+            gather_threshold: self.gather_threshold * near,
+            patches: ((f64::from(usual.patches) * size.sqrt()) as u32).clamp(4, 32_768),
+            ..self.clone()
+        }
     }
 
     /// Nodes asked for, or the default for the number of rays in a scene of `pieces` planar pieces.

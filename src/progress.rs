@@ -44,6 +44,15 @@ pub enum Event {
         /// Of how many.
         total: u64,
     },
+    /// The estimated error of what was baked, relative, and the ends of its interval.
+    Error {
+        /// The estimate.
+        rrmse: f64,
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
     /// Something the user should know.
     Warning(String),
     /// Nothing new; a moment to stop at.

@@ -3,7 +3,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, Point};
+use crate::layout::{DirectSum, Point, Psi, kind};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::stream::{Stream, stream};
@@ -27,6 +27,10 @@ const FIRST_ROUNDS: u32 = 8;
 const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
+/// Hits nearer than this many node spacings ask for light by a ray of their own.
+const CLOSE: f64 = 0.5;
+/// Bounces in a slot before the nodes' light is taken all the same.
+pub(crate) const BOUNCES: u32 = 6;
 /// Rays that tell how near a point's surroundings are.
 const NEAR_PROBES: u32 = 8;
 /// Rays that tell whether a dark point is covered.
@@ -93,8 +97,8 @@ fn shade_chunk<E: Engine>(
         vec![DirectSum::default(); points.len()]
     };
 
-    // Look around: who sits in a slot? What a gather brings has been reflected once more, so a broken series has none.
-    let gathers = params.gather_rays > 0 && params.bounces.is_none();
+    // Look around: who sits in a slot?
+    let gathers = gathers(params);
     let all: Vec<u32> = (0..points.len() as u32).collect();
     let probe_seed = stream(seed, Stream::PointProbe);
     let near = if gathers { probe(engine, points, &all, probe_seed, NEAR_PROBES, progress)? } else { Vec::new() };
@@ -109,8 +113,7 @@ fn shade_chunk<E: Engine>(
     let mut shades: Vec<Shade> = Vec::new();
     for i in 0..points.len() {
         let irradiance = [0, 1, 2].map(|k| if covered[i] { 0.0 } else { direct[i][k] + network[i][k] as f64 });
-        let close = |near: &Gathered| near.nearness as f64 * params.gather_threshold * spacing > 1.0;
-        if gathers && !covered[i] && (close(&near[i]) || psi[i].is_orphan()) {
+        if gathers && !covered[i] && wants_gather(params, spacing, near[i].nearness, &psi[i]) {
             wanted.push(i);
         }
         shades.push(Shade { direct: direct[i], irradiance, covered: covered[i] });
@@ -123,13 +126,7 @@ fn shade_chunk<E: Engine>(
         let own: Vec<Point> = chunk.iter().map(|&i| points[i]).collect();
         let mut from = engine.upload(&own)?;
         let mut hits = engine.shoot(&from, seed_of(stream(seed, Stream::PointGather), c as u32), 0, rays)?;
-        engine.assign(&mut hits)?;
-        engine.readout(&mut hits)?;
-        engine.finish()?;
-        progress.tick()?;
-        if exact {
-            engine.direct(&mut hits, None, seed_of(stream(seed, Stream::HitDirect), c as u32), 0, 1, HIT)?;
-        }
+        light_hits(engine, params, spacing, &mut hits, seed_of(stream(seed, Stream::HitDirect), c as u32), BOUNCES, progress)?;
         let gathered = engine.gather(&hits, rays, true, exact)?;
         progress.tick()?;
         // The network carried direct light too; a gathered point takes it exactly.
@@ -157,6 +154,93 @@ fn shade_chunk<E: Engine>(
         }
     }
     Ok(shades)
+}
+
+/// Finds the light at the hits of gather rays: the nodes', and direct light where that is exact.
+///
+/// A hit much nearer than nodes lie apart is in a slot, or beside a contact, of which no node speaks: its light is what
+/// one ray of its own brings, and so on for `bounces` until the light is met outside.
+pub(crate) fn light_hits<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    spacing: f64,
+    hits: &mut E::Batch,
+    seed: u32,
+    bounces: u32,
+    progress: &mut Progress,
+) -> Result<()> {
+    let exact = params.direct == Direct::Exact;
+    engine.assign(hits)?;
+    engine.readout(hits)?;
+    engine.finish()?;
+    progress.tick()?;
+    if exact {
+        engine.direct(hits, None, seed, 0, 1, HIT)?;
+    }
+    if bounces == 0 {
+        return Ok(());
+    }
+    let points = engine.points(hits)?;
+    let near = |p: &Point| p.kind == kind::FRONT && f64::from(p.weight) < CLOSE * spacing;
+    let close: Vec<usize> = (0..points.len()).filter(|&i| near(&points[i])).collect();
+    if close.is_empty() {
+        return Ok(());
+    }
+    let own: Vec<Point> = close.iter().map(|&i| points[i]).collect();
+    let mut from = engine.upload(&own)?;
+    let mut next = engine.shoot(&from, stream(seed, Stream::PointGather), 0, 1)?;
+    light_hits(engine, params, spacing, &mut next, stream(seed, Stream::HitDirect), bounces - 1, progress)?;
+    let brought = engine.gather(&next, 1, true, exact)?;
+    let known = match exact {
+        true => vec![[0.0; 3]; own.len()],
+        false => {
+            // The nodes' light would have held it.
+            engine.direct(&mut from, None, stream(seed, Stream::PointDirect), 0, 1, HIT)?;
+            engine.direct_sums(&from)?.iter().map(DirectSum::mean).collect()
+        }
+    };
+    let mut light = engine.irradiance(hits)?;
+    for (k, &i) in close.iter().enumerate() {
+        for b in 0..3 {
+            light[i][b] = known[k][b] + brought[k].irradiance[b];
+        }
+    }
+    engine.set_irradiance(hits, &light)
+}
+
+/// Whether points are gathered for at all: what a gather brings has been reflected once more.
+pub(crate) fn gathers(params: &Params) -> bool {
+    params.gather_rays > 0 && params.bounces.is_none()
+}
+
+/// Whether a point with surroundings so near gets a final gather: nodes are too far apart for it, or none speaks for it.
+pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &Psi) -> bool {
+    nearness as f64 * params.gather_threshold * spacing > 1.0 || psi.is_orphan()
+}
+
+/// The samples of a round of direct light at a point, and the most rounds.
+fn rounds(params: &Params) -> (Samples, u32) {
+    let round = if params.direct_samples < FEW_SAMPLES { SMALL_ROUND } else { ROUND };
+    (round, (params.direct_samples / (round.emitter + round.cosine)).max(2))
+}
+
+/// The samples of a round of direct light, and the rounds before its scatter is looked at.
+pub(crate) fn first_rounds(params: &Params) -> (Samples, u32) {
+    let (round, most) = rounds(params);
+    (round, FIRST_ROUNDS.min((most / 8).max(2)))
+}
+
+/// The standard error that direct light will be left with at a point, from its first rounds.
+pub(crate) fn direct_error(params: &Params, first: &DirectSum, network: &[f64; 3]) -> f64 {
+    let light = first.mean().iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0 + network.iter().sum::<f64>() / 3.0;
+    let (mut error, goal) = (f64::from(first.standard_error()), params.direct_tolerance * light);
+    let (mut rounds, most) = (first.rounds, rounds(params).1);
+    while error > goal && rounds < most {
+        // As below: what has been shot is doubled.
+        rounds *= 2;
+        error *= std::f64::consts::FRAC_1_SQRT_2;
+    }
+    error
 }
 
 /// What `rays` cosine rays of each of the listed points meet.
@@ -188,11 +272,10 @@ fn sample_direct<E: Engine>(
     seed: u32,
     progress: &mut Progress,
 ) -> Result<Vec<DirectSum>> {
-    let round = if params.direct_samples < FEW_SAMPLES { SMALL_ROUND } else { ROUND };
+    let (round, most) = rounds(params);
     let rays = round.emitter + round.cosine;
-    let most = (params.direct_samples / rays).max(2);
     let mut done = 0;
-    let mut rounds = FIRST_ROUNDS.min((most / 8).max(2));
+    let mut rounds = first_rounds(params).1;
     let mut active = all.to_vec();
     loop {
         // Rounds add up in their order, however many are asked for at a time.

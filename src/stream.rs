@@ -19,6 +19,10 @@ pub(crate) enum Stream {
     PointGather,
     HitDirect,
     Patches,
+    TestPoints,
+    TestRays,
+    TestHits,
+    TestDirect,
 }
 
 pub(crate) fn stream(seed: u32, which: Stream) -> u32 {

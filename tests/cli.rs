@@ -110,7 +110,7 @@ fn bad_companions_are_refused() {
 #[test]
 fn promised_flags_and_commands_are_refused_by_name() {
     let dir = grey();
-    for flag in ["--target-error 5", "--time-budget=3", "--effects auto", "--quality final"] {
+    for flag in ["--effects auto", "--effects=none"] {
         let name = flag.split([' ', '=']).next().unwrap();
         dir.refuses(&format!("bake s.obj --backend cpu {flag}"), 2, &[&format!("raycell: error: {name} is not built yet; ")]);
     }
@@ -230,6 +230,10 @@ fn every_example_of_the_help_works() {
             // The last of a flag counts: the same command, made small and free of drivers.
             let small = match line.split(' ').next().unwrap() {
                 _ if line.contains("--help") => "",
+                // These find their size themselves.
+                _ if line.contains("--target-error") || line.contains("--time-budget") => {
+                    "--backend cpu --target-error 20% --time-budget 1s --width 8 --height 8"
+                }
                 "bake" => "--backend cpu --rays 1024 --width 8 --height 8",
                 "render" => "--backend cpu --width 8 --height 8",
                 "query" => "--backend cpu",
@@ -358,7 +362,7 @@ fn a_bake_leaves_what_was_asked_for() {
     assert_eq!((answers[2][6].as_str(), answers[2][15].as_str()), ("", "off_surface"));
     let report: serde_json::Value = serde_json::from_slice(&fs::read(dir.path("out/report.json")).unwrap()).unwrap();
     assert_eq!((&report["rays"], &report["scene"]["triangles"]), (&4096.into(), &12.into()));
-    assert!(report["estimated_error"].is_null() && report["effects"].is_null());
+    assert!(report["estimated_error"]["rrmse"].as_f64().unwrap() > 0.0 && report["effects"].is_null());
 
     // Again: the same bytes, and not a word.
     let again = dir.run(&format!("{args} -o two --quiet"));

@@ -14,7 +14,7 @@ const POINTS: usize = 512;
 /// Noise of a truth: half of the least error that is to be seen by it.
 const NOISE: f64 = 0.002;
 /// Time that a truth may take; its noise is what it is then, and taken out of every error.
-const TIME: Duration = Duration::from_secs(28);
+const TIME: Duration = Duration::from_secs(90);
 /// The shipped scenes in three dimensions with a truth.
 const SHIPPED: [&str; 6] = ["cornell", "cornell_tess", "blocker", "furnace", "corridor", "city"];
 

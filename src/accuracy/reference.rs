@@ -273,18 +273,15 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// `count` points of a scene, uniform over the area that reflects, stratified, covered places left out.
+/// `count` points of a scene, uniform over the area that reflects ([`Geometry::judged`]), stratified, covered places left out.
 ///
 /// Lamps are left out where anything else reflects: what they send is known beforehand, and so much that the mean light,
 /// which errors are told by, would be theirs and hang on how many points happen to lie on them. Fewer points where most of
 /// the surface is covered.
 pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<SurfacePoint> {
-    let shines = |t: usize| geometry.material_of(t).emit != [0.0; 3];
-    let reflects = |t: usize| geometry.material_of(t).rho != [0.0; 3];
-    let all = 0..geometry.tris.len();
-    let lamps_alone = !all.clone().any(|t| reflects(t) && !shines(t));
-    let wanted = |t: usize| if lamps_alone { geometry.is_live(t) } else { reflects(t) && !shines(t) };
-    let areas: Vec<f64> = all.map(|t| if wanted(t) { geometry.areas[t] } else { 0.0 }).collect();
+    let judged = geometry.judged();
+    let area = |t: usize| if judged(geometry.material_of(t)) { geometry.areas[t] } else { 0.0 };
+    let areas: Vec<f64> = (0..geometry.tris.len()).map(area).collect();
     let total: f64 = areas.iter().sum();
     let mut ends = Vec::with_capacity(areas.len());
     let mut sum = 0.0;

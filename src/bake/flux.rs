@@ -6,10 +6,11 @@
 //! 4. Read the cells as coefficients, solve, account for every watt.
 
 use super::Clock;
+use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Pilot, once};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, Tile};
+use crate::layout::{DirectSum, NodeSource, Tile};
 use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
 use crate::params::{Cells, Direct, Params};
@@ -32,7 +33,7 @@ const PILOT_CELLS: u32 = 512;
 const PILOT_NODES: usize = 400;
 /// The same in flatland.
 const PILOT_FLAT_NODES: usize = 100;
-/// Rays in a batch.
+/// Most rays in a batch.
 pub const BATCH: u32 = 65_536;
 /// Features that cells start from.
 const FIRST_FEATURES: usize = 4_096;
@@ -89,7 +90,7 @@ pub(super) fn full<E: Engine>(
     let count = params.node_count(geometry.pieces, geometry.flatland);
     if saved.pilot.is_none() {
         progress.event(Event::Stage { name: "pilot" })?;
-        saved.pilot = Some(pilot(engine, scene, geometry, params, count, saved, clock, progress)?);
+        saved.pilot = Some(pilot(engine, scene, geometry, params, saved, clock, progress)?);
         // Its rays have told what they had to tell.
         (saved.tiles, saved.network) = Default::default();
         saved.keep(progress)?;
@@ -140,7 +141,6 @@ fn pilot<E: Engine>(
     scene: &Scene,
     geometry: &Geometry,
     params: &Params,
-    count: usize,
     saved: &mut Checkpoint,
     clock: &mut Clock,
     progress: &mut Progress,
@@ -148,8 +148,11 @@ fn pilot<E: Engine>(
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
     let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
-    let direct =
-        once(&mut saved.tiles, || clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, progress)))?;
+    let direct = once(&mut saved.tiles, || {
+        // Few rays need no fine importance.
+        let rounds = if pilot_rays(params) < PILOT_RAYS { 1 } else { 2 };
+        clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))
+    })?;
     let exact = params.direct == Direct::Exact;
     let sent: Vec<[f64; 3]> = (0..places.len())
         .map(|t| {
@@ -162,7 +165,7 @@ fn pilot<E: Engine>(
 
     let first: Vec<f64> = sent.iter().map(mean).collect();
     let stage = Stage {
-        rays: PILOT_RAYS.min(params.rays),
+        rays: pilot_rays(params),
         cells: PILOT_CELLS,
         nodes: if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES },
         tiles: tiles::starts(geometry, &first, params.alpha),
@@ -199,7 +202,9 @@ fn pilot<E: Engine>(
             .collect())
     })?;
     progress.tick()?;
-    let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &batches, &carried, count))?;
+    // Of the usual number of nodes, so that bakes of all sizes have the same pilot.
+    let usual = Params::default().node_count(geometry.pieces, geometry.flatland);
+    let density = clock.time(engine, "train", |engine| tiles::node_density(engine, geometry, &batches, &carried, usual))?;
     Ok(Pilot { nodes, light, carried, density, winding })
 }
 
@@ -221,13 +226,14 @@ pub(super) fn trace<E: Engine>(
 
     // Place the nodes.
     let lambda = params.lambda as f32;
+    let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
     let surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
         Some(nodes) => {
-            let surface = nodes::surface_of(geometry, nodes.clone(), lambda, stage.told);
+            let surface = nodes::surface_of(geometry, nodes.clone(), lambda, mark);
             engine.set_surface(&surface)?;
             Ok(surface)
         }
-        None => nodes::place_nodes(engine, geometry, &stage.density, stage.nodes, lambda, node_seed, stage.told, progress),
+        None => nodes::place_nodes(engine, geometry, &stage.density, stage.nodes, lambda, node_seed, mark, progress),
     })?;
     saved.network.nodes = Some(surface.nodes.clone());
     saved.keep(progress)?;
@@ -240,8 +246,9 @@ pub(super) fn trace<E: Engine>(
     let brightness: Vec<f32> = stage.brightness.iter().map(|b| if rms > 0.0 { (b / rms) as f32 } else { 0.0 }).collect();
     let metric = Metric { inv_unit: (1.0 / geometry.unit) as f32, lambda, mu: params.mu as f32 };
     let (mut batches, mut lengths) = (Vec::new(), Vec::new());
-    for first in (0..stage.rays).step_by(BATCH as usize) {
-        let count = BATCH.min(stage.rays - first);
+    let batch_rays = if stage.told { batch_rays(stage.rays) } else { BATCH };
+    for first in (0..stage.rays).step_by(batch_rays as usize) {
+        let count = batch_rays.min(stage.rays - first);
         let mut batch = clock.time(engine, "emit", |engine| engine.emit(&stage.tiles, ray_seed, first, count, stage.rays))?;
         progress.tick()?;
         let net = &mut saved.network;
@@ -378,20 +385,47 @@ fn network<E: Engine>(
     // Let the rays carry the solution on, each from its own end: what the cells leave out fades with every sweep.
     while saved.network.refined < refinements {
         let net = &mut saved.network;
-        net.light = clock.time(engine, "solve", |engine| {
+        let refined = clock.time(engine, "solve", |engine| {
             engine.set_light(&net.light)?;
             for batch in &mut batches {
                 engine.readout(batch)?;
                 progress.tick()?;
             }
-            let sums = engine.deposit(&batches, exact, true, normalise(geometry, params))?;
-            let by_rays = coefficients::known(&sums, &surface.nodes, &built.mass);
-            Ok(coefficients::fit(&by_rays, &built.system.planes))
+            let (known, planes) =
+                (|sums: &[NodeSource]| coefficients::known(sums, &surface.nodes, &built.mass), &built.system.planes);
+            // In halves, whose difference tells the noise.
+            let (left, right) = batches.split_at(batches.len() / 2);
+            let normalise = normalise(geometry, params);
+            let mut sums = engine.deposit(left, exact, true, normalise)?;
+            let half = known(&sums);
+            for (sum, more) in sums.iter_mut().zip(engine.deposit(right, exact, true, normalise)?) {
+                sum.add(&more);
+            }
+            let all = known(&sums);
+            let share = left.len() as f64 / batches.len() as f64;
+            if !left.is_empty() {
+                net.evidence.noise = Some(estimate::noise(geometry, &surface.nodes, &built.mass, &half, &all, share));
+            }
+            Ok(coefficients::fit(&all, planes))
         })?;
+        let change = estimate::change(geometry, &surface.nodes, &built.mass, &net.light, &refined);
+        net.evidence.changes = Some([change, net.evidence.changes.map_or(change, |c| c[0])]);
+        net.light = refined;
         net.refined += 1;
         saved.keep(progress)?;
     }
+    saved.network.surface = Some(surface);
     Ok(batches)
+}
+
+/// Rays in a batch of so many: two batches at least, whose difference tells the noise.
+pub(crate) fn batch_rays(rays: u32) -> u32 {
+    BATCH.min(rays.div_ceil(2))
+}
+
+/// Rays of a bake's pilot.
+pub(crate) fn pilot_rays(params: &Params) -> u32 {
+    PILOT_RAYS.min(params.rays)
 }
 
 /// What brings the weight of all rays together to 1 at most: they weigh 2 A / (1 - alpha).

@@ -7,6 +7,7 @@ pub(crate) mod paper;
 mod patchwork;
 mod rays;
 
+use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
 use crate::engine::{Backend, Engine};
@@ -91,13 +92,16 @@ pub fn bake_from(
         progress.event(Event::Warning(warning.clone()))?;
     }
     let mut clock = Clock::default();
-    match backend {
-        Backend::Cpu => run(&mut TwinEngine::new(&geometry), scene, &geometry, params, saved, &mut clock, &mut progress)?,
-        Backend::Gpu(gpu) => {
-            run(&mut GpuEngine::new(gpu, &geometry)?, scene, &geometry, params, saved, &mut clock, &mut progress)?
+    let mut solution = match backend {
+        Backend::Cpu => {
+            let engine = &mut TwinEngine::new(&geometry);
+            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
-    }
-    let mut solution = saved.assemble(scene, &geometry, params, warnings);
+        Backend::Gpu(gpu) => {
+            let engine = &mut GpuEngine::new(gpu, &geometry)?;
+            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+        }
+    };
 
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
@@ -128,6 +132,28 @@ pub fn bake_from(
     ] {
         report.extra.insert(key.into(), value);
     }
+    Ok(solution)
+}
+
+/// Bakes as far as that is not done, and asks how good the result is.
+fn whole<E: Engine>(
+    engine: &mut E,
+    scene: &Scene,
+    geometry: &Geometry,
+    params: &Params,
+    warnings: Vec<String>,
+    saved: &mut Checkpoint,
+    clock: &mut Clock,
+    progress: &mut Progress,
+) -> Result<Solution> {
+    run(engine, scene, geometry, params, saved, clock, progress)?;
+    let mut solution = saved.assemble(scene, geometry, params, warnings);
+    let bright = saved.pilot.as_ref().map_or(&[][..], |p| &p.carried);
+    let (solved, evidence) = (saved.network.solved.unwrap_or_default(), saved.network.evidence);
+    let estimate =
+        clock.time(engine, "estimate", |engine| estimate::estimate(engine, &solution, bright, solved, evidence, progress))?;
+    progress.event(Event::Error { rrmse: estimate.rrmse, low: estimate.low, high: estimate.high })?;
+    solution.report_mut().estimated_error = Some(estimate);
     Ok(solution)
 }
 

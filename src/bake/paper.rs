@@ -143,7 +143,8 @@ pub fn run<E: Engine>(
         clock.time(engine, "solve", |engine| solver::solve(engine, geometry, &built.system, params, bounces, progress, scene))?;
 
     let network = &mut saved.network;
-    network.nodes = Some(surface.nodes);
+    network.nodes = Some(surface.nodes.clone());
+    network.surface = Some(surface);
     (network.coefficients, network.solved, network.light) = (Some(built), Some(solved), light);
     saved.learned = Some(learned);
     patchwork::account(engine, geometry, params, saved, clock, progress)

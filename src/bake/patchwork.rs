@@ -26,8 +26,9 @@ pub fn account<E: Engine>(
     progress: &mut Progress,
 ) -> Result<()> {
     let exact = params.direct == Direct::Exact;
-    let net = &saved.network;
-    let surface = nodes::surface_of(geometry, net.nodes.clone().unwrap_or_default(), params.lambda as f32, true);
+    let net = &mut saved.network;
+    let find = || nodes::surface_of(geometry, net.nodes.clone().unwrap_or_default(), params.lambda as f32, true);
+    let surface = net.surface.take().unwrap_or_else(find);
     let batch = clock.time(engine, "energy", |engine| {
         engine.set_surface(&surface)?;
         let starts = tiles::starts(geometry, &vec![0.0; geometry.tiles as usize], 0.0);
@@ -39,6 +40,7 @@ pub fn account<E: Engine>(
         }
         Ok(batch)
     })?;
+    net.surface = Some(surface);
     flux::account(engine, geometry, params, &mut [batch], saved, clock, progress)
 }
 

@@ -5,7 +5,7 @@ use crate::doctor;
 use crate::error::Result;
 use crate::layout::{Node, NodeLight, Plane};
 use crate::network::growth::Growth;
-use crate::network::nodes::surface_of;
+use crate::network::nodes::{surface_of, worth_marking};
 use crate::output::report::{Report, SceneReport, SolverReport};
 use crate::params::Params;
 use crate::scene::{Geometry, Scene};
@@ -61,7 +61,9 @@ impl Checkpoint {
         report.cells = self.learned.as_ref().map_or(system.source.len(), |l| l.cells.len()) as u64;
         report.nodes = nodes.len() as u64;
         report.rays = net.rays as u64 + net.coefficients.as_ref().map_or(0, |c| c.looks);
-        let surface = surface_of(geometry, nodes, params.lambda as f32, true);
+        let known = net.surface.as_ref().filter(|s| s.nodes == nodes).cloned();
+        let surface =
+            known.unwrap_or_else(|| surface_of(geometry, nodes, params.lambda as f32, worth_marking(geometry, params.rays)));
         Solution::new(scene.clone(), geometry.clone(), params.clone(), surface, light, cells, system, report)
     }
 

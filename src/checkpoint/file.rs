@@ -1,6 +1,7 @@
 //! `checkpoint.rcell`: a [`Checkpoint`] in the container of solutions, every number as it lay in memory.
 
 use super::{Checkpoint, Key, Learned, Network, Pilot};
+use crate::accuracy::estimate::Evidence;
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight};
 use crate::network::complex::Complex;
@@ -33,6 +34,8 @@ struct Header {
     coefficients: Option<(u64, f64, u64, u64)>,
     solved: Option<Solved>,
     refined: u32,
+    #[serde(default)]
+    evidence: Evidence,
     energy: Option<Energy>,
     #[serde(default)]
     learned: Option<Learned>,
@@ -63,6 +66,7 @@ impl Checkpoint {
             coefficients: net.coefficients.as_ref().map(|c| (c.stored, c.dropped, c.evaluations, c.looks)),
             solved: net.solved,
             refined: net.refined,
+            evidence: net.evidence,
             energy: self.energy.clone(),
             learned: self.learned.clone(),
         };
@@ -138,6 +142,7 @@ impl Checkpoint {
             pilot,
             network: Network {
                 nodes: header.nodes.then(|| file.get("nodes")).transpose()?,
+                surface: None,
                 rays: header.rays,
                 direct: file.get("direct")?,
                 growth,
@@ -146,6 +151,7 @@ impl Checkpoint {
                 solved: header.solved,
                 light: file.get("light")?,
                 refined: header.refined,
+                evidence: header.evidence,
             },
             learned: match header.learned {
                 Some(learned) => Some(Learned { cells: file.get("learned_cells")?, ..learned }),
@@ -184,7 +190,7 @@ impl Checkpoint {
             return Err("its rays hold numbers that cannot be");
         }
         if let Some(g) = &net.growth {
-            let batches = rays.div_ceil(crate::bake::flux::BATCH) as usize;
+            let batches = rays.div_ceil(crate::bake::flux::batch_rays(rays)) as usize;
             if !finite(g.cells.as_flattened())
                 || g.batch >= batches
                 || g.at > 2 * crate::bake::flux::BATCH as usize

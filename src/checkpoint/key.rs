@@ -42,6 +42,11 @@ impl Key {
         }
     }
 
+    /// Parameters of the bake.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
     /// Rays of the bake.
     pub fn rays(&self) -> u32 {
         self.params.rays

@@ -11,14 +11,18 @@ mod key;
 pub(crate) use assemble::unread;
 pub(crate) use key::{Key, bytes, digest};
 
+use crate::accuracy::estimate::Evidence;
+use crate::bake::flux;
 use crate::error::{Error, Result};
 use crate::layout::{DirectSum, Node, NodeLight};
 use crate::network::growth::Growth;
 use crate::output::report::Energy;
+use crate::params::Params;
 use crate::progress::{Event, Progress};
 use crate::radiosity::coefficients::Coefficients;
 use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
+use crate::twin::assign::Surface;
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -87,6 +91,8 @@ pub(crate) struct Learned {
 pub(crate) struct Network {
     /// Its nodes; with their means once there are coefficients.
     pub nodes: Option<Vec<Node>>,
+    /// They, and which of them may speak where, once all is done: it takes time to find. Not kept in files.
+    pub surface: Option<Surface>,
     /// Rays shot, whole batches.
     pub rays: u32,
     /// D at both ends of each of them where direct light is exact; a round of samples.
@@ -103,6 +109,8 @@ pub(crate) struct Network {
     pub light: Vec<NodeLight>,
     /// Refinements of it done.
     pub refined: u32,
+    /// What they have told of its noise.
+    pub evidence: Evidence,
 }
 
 /// The file that a checkpoint is kept in.
@@ -134,6 +142,18 @@ impl Checkpoint {
         self.energy.is_some()
     }
 
+    /// The parameters of the bake that it is of; none while empty.
+    pub(crate) fn params(&self) -> Option<&Params> {
+        self.key.as_ref().map(Key::params)
+    }
+
+    /// What a whole bake with parameters `own` leaves for one with `next`, twice as large: the pilot, where both
+    /// have the same. The larger one's bytes do not depend on it.
+    pub(crate) fn next(&mut self, own: &Params, next: &Params) -> Checkpoint {
+        let pilot = self.pilot.take().filter(|_| flux::pilot_rays(own) == flux::pilot_rays(next));
+        Checkpoint { pilot, home: self.home.take(), ..Checkpoint::default() }
+    }
+
     /// From now on a bake writes the checkpoint to this file as it goes on, so that it outlives the process. It
     /// writes after a stage, a batch of rays or an epoch, when twenty times as long as the last write took has
     /// passed. Where the file cannot be written the bake goes on, with an [`Event::Warning`].
@@ -146,7 +166,7 @@ impl Checkpoint {
     pub(crate) fn claim(&mut self, key: Key, geometry: &Geometry) -> Result<()> {
         let place = || self.home.as_ref().map_or("the checkpoint".into(), |h| h.path.clone());
         let Some(own) = &self.key else {
-            *self = Checkpoint { key: Some(key), home: self.home.take(), ..Checkpoint::default() };
+            self.key = Some(key);
             return Ok(());
         };
         if let Some(what) = own.difference(&key) {

@@ -1,15 +1,17 @@
 //! `raycell bake`: check everything that was given, train, solve, read out, and only then write.
 
 use super::console::Console;
-use super::exit::{Done, Failure};
+use super::exit::{self, Done, Failure};
 use super::log::Log;
 use super::shared::camera::{self, Camera};
+use super::shared::goal::{self, Quality};
 use super::shared::interrupt::{heed, interrupt};
 use super::shared::kept::{self, Kept};
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
 use super::shared::points::off_surface;
 use super::shared::scene::{self, Reading};
+use crate::accuracy::{self, Climb};
 use crate::bake_from;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
@@ -17,7 +19,7 @@ use crate::memory;
 use crate::output::mesh::Mesh;
 use crate::output::report::Report;
 use crate::output::{glb, image, ply, points, report};
-use crate::params::Params;
+use crate::params::{EVERYWHERE, Params};
 use crate::progress::Event;
 use crate::scene::Scene;
 use crate::solution::{self, Answer, Image, Solution, SurfacePoint};
@@ -34,6 +36,10 @@ Examples:
       Also lit/picture.exr and lit/picture.png, seen by the camera in room.json.
   raycell bake room.obj --points points.csv --vertices=glb
       Also the light at points of your choice, and a mesh with the light in its vertex colours.
+  raycell bake room.obj --target-error 2%
+      As fine as it takes for an error of 2 % at most, by an estimate that needs no truth.
+  raycell bake room.obj --time-budget 30s --points points.csv
+      The best that 30 seconds can buy, and how good that is.
   raycell bake room.obj --rays 4194304 --seed 7
       Finer: the error falls about as rays^-0.3. Another seed shows how much is noise.
   raycell bake room.obj --rays 4194304 --seed 7 --resume
@@ -71,6 +77,8 @@ pub struct Flags {
     #[command(flatten)]
     pub camera: Camera,
     #[command(flatten)]
+    pub goal: goal::Flags,
+    #[command(flatten)]
     pub network: Network,
     #[command(flatten)]
     pub device: Device,
@@ -86,7 +94,11 @@ pub enum Vertices {
 
 pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure> {
     let begin = Instant::now();
-    let params = network::params(&flags.network)?;
+    let goal = flags.goal.goal()?;
+    let mut params = network::params(&flags.network)?;
+    if flags.goal.quality == Some(Quality::Final) && flags.network.gather.is_none() {
+        params.gather_threshold = EVERYWHERE;
+    }
     let camera = camera::camera(&flags.camera)?;
     let points_in = flags.points.as_deref().map(points::read).transpose()?;
     check_folder(&flags.output)?;
@@ -95,13 +107,15 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let scene = scene::load(&flags.scene, &flags.reading, &mut log, &stop)?;
     let camera = scene::camera(camera, flags.camera.view.as_deref(), &scene)?;
     let load = begin.elapsed();
+    let opening = Instant::now();
     let machine = Machine::open(&flags.device, &log)?;
+    let opening = opening.elapsed();
     let dir = &flags.output;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
 
     // Bake and read out; everything is read out before the first result appears.
-    let there = if flags.resume { kept::already(dir, &scene, &params) } else { None };
-    let mut kept = Kept::open(dir, flags.resume && there.is_none(), &log)?;
+    let mut there = if flags.resume { kept::already(dir, &scene, &params, goal.is_some()) } else { None };
+    let mut kept = Kept::open(dir, flags.resume && (there.is_none() || goal.is_some()), &log)?;
     let asked = Asked { points: points_in.as_deref(), camera, vertices: flags.vertices.is_some() };
     let fill = |report: &mut Report| {
         report.adapter = machine.adapter.clone();
@@ -109,13 +123,36 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         report.seconds.load = Some(load.as_secs_f64());
         report.seconds.total = Some(begin.elapsed().as_secs_f64());
     };
+    let mut safe = false;
+    let climbed = goal.map(|goal| {
+        let mut reached = |solution: &Solution| {
+            solution.save(&dir.join("solution.rcell"))?;
+            let mut report = solution.report().clone();
+            fill(&mut report);
+            report::write(&dir.join("report.json"), &report)?;
+            safe = true;
+            asked.cost(&machine, solution)
+        };
+        // Opening the device is start-up.
+        let climb = Climb {
+            goal,
+            checkpoint: &mut kept.checkpoint,
+            solution: there.take(),
+            begin: begin + opening,
+            reached: &mut reached,
+        };
+        let climbed = accuracy::climb(&machine.backend, &scene, &params, climb, &mut |event| heed(&mut log, &stop, event));
+        machine.judge("the bake", climbed)
+    });
     let baked = there.is_none();
-    let worked = work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop);
+    let worked = climbed
+        .map_or(Ok(there), |climbed| climbed.map(Some))
+        .and_then(|there| work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop));
     let Found { mut solution, answers, picture, mesh, readout } = match worked {
         Ok(found) => found,
         Err(error) => {
             log.finish();
-            return Err(kept.stopped(error, &scene, &params, fill));
+            return Err(kept.stopped(error, &scene, &params, safe, fill));
         }
     };
     log.finish();
@@ -152,7 +189,12 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         wrote("report.json", "");
         kept.done()?;
     }
-    Ok(Done::new(serde_json::to_value(solution.report()).unwrap_or_default()))
+    let target = solution.report().target.as_ref();
+    if let Some(missed) = target.and_then(|t| t.missed.as_ref()) {
+        log.warning(&format!("the target was missed: {missed}"));
+    }
+    let code = if target.is_some_and(|t| t.met == Some(false)) { exit::MISSED } else { exit::DONE };
+    Ok(Done { code, ..Done::new(serde_json::to_value(solution.report()).unwrap_or_default()) })
 }
 
 /// What is read out of a bake.
@@ -160,6 +202,43 @@ struct Asked<'a> {
     points: Option<&'a [SurfacePoint]>,
     camera: Option<solution::Camera>,
     vertices: bool,
+}
+
+/// Points, and pixels a side, that tell how long all of them take.
+const SAMPLE: usize = 128;
+
+impl Asked<'_> {
+    /// How long the read-out of such a solution takes, from a sample of it.
+    fn cost(&self, machine: &Machine, solution: &Solution) -> Result<Duration> {
+        let mut seconds = 0.0;
+        let mut timed = |all: f64, of: f64, work: &mut dyn FnMut() -> Result<()>| {
+            let start = Instant::now();
+            let done = work();
+            seconds += start.elapsed().as_secs_f64() * (all / of).max(1.0);
+            done
+        };
+        if let Some(points) = self.points.filter(|p| !p.is_empty()) {
+            let some: Vec<SurfacePoint> = points.iter().step_by(points.len().div_ceil(SAMPLE)).copied().collect();
+            timed(points.len() as f64, some.len() as f64, &mut || solution.query(&machine.backend, &some).map(drop))?;
+        }
+        if let Some(camera) = self.camera {
+            let [width, height] = [camera.width, camera.height].map(|n| n.min(SAMPLE as u32 / 2));
+            let small = solution::Camera { width, height, ..camera };
+            let pixels = |c: &solution::Camera| f64::from(c.width) * f64::from(c.height);
+            timed(pixels(&camera), pixels(&small), &mut || solution.render(&machine.backend, &small).map(drop))?;
+        }
+        if self.vertices {
+            let (nodes, geometry) = (solution.nodes(), solution.geometry());
+            let places: Vec<SurfacePoint> = nodes
+                .iter()
+                .step_by(nodes.len().div_ceil(SAMPLE).max(1))
+                .map(|n| SurfacePoint { p: geometry.to_world(n.p), n: n.n.map(f64::from) })
+                .collect();
+            let all = 3.0 * solution.scene().faces.len() as f64;
+            timed(all, places.len().max(1) as f64, &mut || solution.query(&machine.backend, &places).map(drop))?;
+        }
+        Ok(Duration::from_secs_f64(seconds))
+    }
 }
 
 /// A bake and what was read out of it.

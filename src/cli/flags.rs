@@ -7,10 +7,7 @@ use std::ffi::OsString;
 
 /// Flags and commands that are promised but not built, and what to do meanwhile.
 const NOT_BUILT: &[(&str, &str)] = &[
-    ("--target-error", "set --rays instead: the error falls about as rays^-0.3"),
-    ("--time-budget", "set --rays instead: time grows with rays"),
     ("--effects", "every bake has diffuse light with exact shadows"),
-    ("--quality", "set --rays instead"),
     ("relight", "bake again with the new lights"),
     ("explain", "every bake has diffuse light with exact shadows"),
 ];
@@ -41,7 +38,7 @@ Examples:
       All flags of a command, with examples; -h is the short of it.";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 doctor found something; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
+Exit codes: 0 done; 1 doctor found something, or a target was missed; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
 wgpu's own variables (WGPU_BACKEND, WGPU_ADAPTER_NAME, ...) are honoured; flags win.";
 
 /// What was built in: a bug report needs it.
@@ -155,9 +152,7 @@ mod tests {
     #[test]
     fn promised_flags_are_named() {
         let args = |text: &str| text.split_whitespace().map(OsString::from).collect::<Vec<_>>();
-        assert!(
-            not_built(&args("raycell bake a.obj --target-error=5")).unwrap().starts_with("--target-error is not built yet; ")
-        );
+        assert!(not_built(&args("raycell bake a.obj --effects=none")).unwrap().starts_with("--effects is not built yet; "));
         assert!(not_built(&args("raycell explain a.obj")).unwrap().starts_with("explain"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());

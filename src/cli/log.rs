@@ -16,6 +16,7 @@ pub struct Log {
     rays: u64,
     cells: u64,
     sweep: Option<(u32, f64)>,
+    error: Option<String>,
 }
 
 impl Log {
@@ -26,7 +27,7 @@ impl Log {
             bar.enable_steady_tick(std::time::Duration::from_millis(120));
             bar
         });
-        Log { console: *console, bar, stage: None, rays: 0, cells: 0, sweep: None }
+        Log { console: *console, bar, stage: None, rays: 0, cells: 0, sweep: None, error: None }
     }
 
     /// A line for the user.
@@ -71,6 +72,10 @@ impl Log {
                 self.sweep = Some((*n, *residual));
                 self.message(format!("sweep {n}, residual {residual:.1e}"));
             }
+            Event::Error { rrmse, low, high } => {
+                self.error =
+                    Some(format!("estimated error {:.2} % ({:.2} to {:.2} %)", 100.0 * rrmse, 100.0 * low, 100.0 * high));
+            }
             Event::Warning(text) => self.warning(text),
             Event::Tick => {}
         }
@@ -109,6 +114,9 @@ impl Log {
         }
         if let Some((n, residual)) = self.sweep {
             text += &format!(", {n} sweeps, residual {residual:.1e}");
+        }
+        if let Some(error) = self.error.take() {
+            text += &format!(", {error}");
         }
         (self.rays, self.cells, self.sweep) = (0, 0, None);
         self.line(&text);

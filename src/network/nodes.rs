@@ -267,6 +267,11 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     }
 }
 
+/// Whether so many rays save more by marks than finding them takes.
+pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
+    rays >= geometry.tiles
+}
+
 /// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its
 /// box queries where many points are assigned; the weights are the same without.
 pub fn mark_free(geometry: &Geometry, surface: &mut Surface) {

@@ -33,12 +33,35 @@ pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
         .collect()
 }
 
+/// `count` points drawn by start densities.
+pub fn drawn(geometry: &Geometry, starts: &[Tile], seed: u32, count: u32) -> Vec<Point> {
+    use crate::twin::{math::invert_cdf, math::unit, sobol::sobol4, trace};
+    (0..count)
+        .map(|i| {
+            let u = sobol4(i, seed);
+            let (t, place) = invert_cdf(starts.len() as u32, |t| starts[t as usize].cdf, u[0]);
+            let tri = geometry.tile_tri[t as usize];
+            let r = &geometry.tris[tri as usize];
+            let (b1, b2) = trace::place_in_tile(geometry.flatland, r.split, t - r.first_tile, place, unit(u[1]));
+            let density = starts[t as usize].density;
+            Point { tile: t, kind: kind::FRONT, density, ..trace::surface_point(geometry, tri, b1, b2) }
+        })
+        .collect()
+}
+
 /// A first estimate of direct light at every tile's point.
-pub fn direct<E: Engine>(engine: &mut E, places: &[Point], seed: u32, progress: &mut Progress) -> Result<Vec<DirectSum>> {
+pub fn direct<E: Engine>(
+    engine: &mut E,
+    places: &[Point],
+    seed: u32,
+    rounds: u32,
+    progress: &mut Progress,
+) -> Result<Vec<DirectSum>> {
     let mut sums = Vec::new();
     for (i, chunk) in places.chunks(BATCH).enumerate() {
         let mut batch = engine.upload(chunk)?;
-        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, 2, Samples { emitter: 6, cosine: 2 })?;
+        let samples = Samples { emitter: 3 * rounds, cosine: rounds };
+        engine.direct(&mut batch, None, seed_of(seed, i as u32), 0, rounds, samples)?;
         sums.extend(engine.direct_sums(&batch)?);
         progress.tick()?;
     }

@@ -43,8 +43,11 @@ pub struct Report {
     pub solver: SolverReport,
     /// Where the emitted power went, W a band.
     pub energy: Energy,
-    /// Estimated error of the result; null until it is built.
+    /// Estimated error of the result; null where the bake was stopped.
     pub estimated_error: Option<EstimatedError>,
+    /// What was to be reached, and whether it was; null where nothing was asked for.
+    #[serde(default)]
+    pub target: Option<TargetReport>,
     /// What was odd, in words.
     pub warnings: Vec<String>,
     /// Whether the bake was stopped before the light was solved and refined.
@@ -151,7 +154,7 @@ pub struct Energy {
     pub imbalance: Option<f64>,
 }
 
-/// The estimated error of a [`Report`]: root mean square over the surface, over the mean.
+/// The estimated error of a [`Report`]: root mean square over the surface, over the mean (`docs/accuracy.md`).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EstimatedError {
     /// The estimate.
@@ -160,6 +163,79 @@ pub struct EstimatedError {
     pub low: f64,
     /// Upper end.
     pub high: f64,
+    /// What it is made of.
+    #[serde(default)]
+    pub parts: ErrorParts,
+    /// Where it sits: parts of the surface of equal area, each with an error of its own.
+    #[serde(default)]
+    pub regions: Vec<RegionError>,
+}
+
+/// What an [`EstimatedError`] is made of, each as a share of the mean radiosity; null where there is no such thing.
+/// Their squares add up to that of the whole as far as they are independent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorParts {
+    /// Scatter of the light rays.
+    pub rays: Option<f64>,
+    /// What cells blur, where they carry light.
+    pub cells: Option<f64>,
+    /// What lies between nodes.
+    pub nodes: Option<f64>,
+    /// Scatter of direct light at a shown point.
+    pub direct: Option<f64>,
+    /// Scatter of final gathers.
+    pub gather: Option<f64>,
+    /// What an error of the mean becomes over many reflections.
+    pub carried: Option<f64>,
+    /// What the solver has left.
+    pub solver: Option<f64>,
+    /// Light of reflections that were not asked for.
+    pub truncation: Option<f64>,
+}
+
+/// The estimated error of a part of the surface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RegionError {
+    /// Lower corner of its box, metres.
+    pub min: [f64; 3],
+    /// Upper corner.
+    pub max: [f64; 3],
+    /// Mean radiosity in it, W/m², over the bands.
+    pub mean: f64,
+    /// Error in it, as a share of its own mean.
+    pub rrmse: f64,
+}
+
+/// What a bake was to reach.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TargetReport {
+    /// Relative error that the upper end of the estimate was to be within.
+    pub error: Option<f64>,
+    /// Wall time it had, seconds.
+    pub seconds: Option<f64>,
+    /// Whether the error was reached; null where none was asked for.
+    pub met: Option<bool>,
+    /// Where it was not: what stood in the way, and what it would take.
+    pub missed: Option<String>,
+    /// The rungs that were climbed.
+    pub rungs: Vec<RungReport>,
+}
+
+/// A rung of a [`TargetReport`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RungReport {
+    /// Light rays.
+    pub rays: u32,
+    /// Wall time of its bake, compiling included.
+    pub seconds: f64,
+    /// Its estimated error.
+    pub rrmse: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// What it is made of.
+    pub parts: ErrorParts,
 }
 
 /// Writes a report as JSON. Errors: [`Error::Write`].
@@ -182,7 +258,7 @@ mod tests {
         let keys = "scene.path scene.triangles scene.dropped adapter method seed params effects cells nodes coefficients kernel_evaluations rays \
             seconds.load seconds.bvh seconds.train seconds.coefficients seconds.solve seconds.direct seconds.readout \
             seconds.total memory_bytes.host memory_bytes.device solver.method solver.sweeps solver.residual \
-            solver.error_bound partial reached energy.emitted energy.absorbed energy.escaped energy.imbalance estimated_error warnings pilot";
+            solver.error_bound partial reached energy.emitted energy.absorbed energy.escaped energy.imbalance estimated_error target warnings pilot";
         for key in keys.split_whitespace() {
             let found = key.split('.').try_fold(&json, |at, k| at.get(k));
             assert!(found.is_some(), "{key}");

@@ -295,6 +295,11 @@ impl Engine for GpuEngine<'_> {
         self.fetch(&batch.irradiance)
     }
 
+    fn set_irradiance(&mut self, batch: &mut GpuBatch, light: &[[f32; 4]]) -> Result<()> {
+        batch.irradiance = self.gpu.upload("irradiance", light)?;
+        Ok(())
+    }
+
     fn gather(&mut self, hits: &GpuBatch, rays: u32, lit: bool, exact: bool) -> Result<Vec<Gathered>> {
         let (light, direct) = (lit.then_some(&hits.irradiance), exact.then_some(&hits.direct));
         let gathered = super::gather::gather(self.gpu, &self.scene, &hits.points, light, direct, rays)?;

@@ -296,6 +296,15 @@ impl Geometry {
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
     }
 
+    /// Of which materials errors are measured: those that reflect and do not shine, whose light is found and not given.
+    /// Where all that reflect shine too, they are.
+    pub fn judged(&self) -> impl Fn(&Material) -> bool + use<> {
+        let reflects = |m: &Material| m.rho != [0.0; 3];
+        let dark = |m: &Material| m.emit == [0.0; 3];
+        let any = (0..self.tris.len()).any(|t| reflects(self.material_of(t)) && dark(self.material_of(t)));
+        move |m| reflects(m) && (dark(m) || !any)
+    }
+
     /// The material of a triangle.
     pub fn material_of(&self, tri: usize) -> &Material {
         &self.materials[self.tris[tri].material as usize]
@@ -321,6 +330,11 @@ impl Geometry {
     /// World position to local.
     pub fn to_local(&self, p: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| (p[k] - self.center[k]) * self.scale)
+    }
+
+    /// Local position to world.
+    pub fn to_world(&self, p: [f32; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|k| f64::from(p[k]) / self.scale + self.center[k])
     }
 }
 

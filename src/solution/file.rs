@@ -1,10 +1,10 @@
 //! `solution.rcell`: everything a query or a new solve needs, and nothing that differs between two
-//! bakes of one seed (no timings, no adapter, no path).
+//! bakes of one seed (no timings, no goal, no adapter, no path).
 
 use super::{Solution, check, sections};
 use crate::error::Result;
 use crate::layout::{Node, NodeLight};
-use crate::network::nodes::surface_of;
+use crate::network::nodes::{surface_of, worth_marking};
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{Report, Seconds};
 use crate::params::{Mode, Params};
@@ -47,6 +47,7 @@ impl Solution {
         let mut report = Report {
             adapter: None,
             seconds: Seconds::default(),
+            target: None,
             memory_bytes: Default::default(),
             extra: Default::default(),
             ..self.report.clone()
@@ -129,7 +130,7 @@ impl Solution {
             .and_then(|()| check::system(&geometry, &system, nodes.len()))
             .and_then(|()| check::cells(&cells, speaking))
             .map_err(|what| file.fail(what))?;
-        let surface = surface_of(&geometry, nodes, header.params.lambda as f32, true);
+        let surface = surface_of(&geometry, nodes, header.params.lambda as f32, worth_marking(&geometry, header.params.rays));
         Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })
     }
 }

@@ -136,8 +136,18 @@ impl Solution {
         self.report.partial
     }
 
+    /// The parameters of its bake.
+    pub(crate) fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// Its nodes, and which of them may speak where.
+    pub(crate) fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
     /// Node spacing, local. A partial solution has the nodes of its pilot, or none; patches have a node each.
-    fn spacing(&self) -> f64 {
+    pub(crate) fn spacing(&self) -> f64 {
         let patches = matches!(self.params.method, Method::Fem | Method::Hierarchical);
         let nodes = match self.is_partial() || patches {
             true => self.surface.nodes.len().max(1),

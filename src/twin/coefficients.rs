@@ -123,7 +123,8 @@ pub fn coefficients(
 impl Sums {
     /// Adds another batch.
     pub fn merge(&mut self, other: Sums) {
-        if self.flux.is_empty() {
+        // Without cells there are nodes all the same.
+        if self.nodes.is_empty() {
             *self = other;
             return;
         }

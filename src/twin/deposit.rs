@@ -55,11 +55,7 @@ pub fn merge(sums: &mut Vec<NodeSource>, more: Vec<NodeSource>) {
         *sums = more;
         return;
     }
-    for (a, b) in sums.iter_mut().zip(more) {
-        for k in 0..3 {
-            a.value[k].add(b.value[k].units());
-            a.first[k].add(b.first[k].units());
-            a.second[k].add(b.second[k].units());
-        }
+    for (sum, more) in sums.iter_mut().zip(&more) {
+        sum.add(more);
     }
 }

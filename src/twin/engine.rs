@@ -222,6 +222,11 @@ impl Engine for TwinEngine<'_> {
         Ok(batch.irradiance.clone())
     }
 
+    fn set_irradiance(&mut self, batch: &mut TwinBatch, light: &[[f32; 4]]) -> Result<()> {
+        batch.irradiance = light.to_vec();
+        Ok(())
+    }
+
     fn gather(&mut self, hits: &TwinBatch, rays: u32, lit: bool, exact: bool) -> Result<Vec<Gathered>> {
         let light = if lit { hits.irradiance.as_slice() } else { &[] };
         Ok(super::gather::gather(self.geometry, &hits.points, light, exact.then_some(hits.direct.as_slice()), rays))

@@ -9,7 +9,7 @@
 //! | second moments | 2^-58 | 12 | 2^62 |
 //! | sources w s, s at most the brightest emission (1) times a sampling weight | 2^-58 | 16 | 2^62 |
 
-use crate::layout::Fixed;
+use crate::layout::{Fixed, NodeSource};
 
 /// Units of features and distortions.
 pub const FEATURE_UNIT: f32 = 4294967296.0;
@@ -20,6 +20,17 @@ pub const UNIT: f32 = 288230376151711744.0; // 2^58
 /// same number into words without rounding.
 pub fn encode(value: f32, unit: f32) -> i64 {
     (value as f64 * unit as f64) as i64
+}
+
+impl NodeSource {
+    /// Adds another's sums.
+    pub fn add(&mut self, other: &NodeSource) {
+        for k in 0..3 {
+            self.value[k].add(other.value[k].units());
+            self.first[k].add(other.first[k].units());
+            self.second[k].add(other.second[k].units());
+        }
+    }
 }
 
 impl Fixed {

@@ -38,8 +38,16 @@ impl Kept {
         Ok(Kept { checkpoint, file })
     }
 
-    /// The bake and its read-out ended with an error: saves what there is, where it can be gone on from.
-    pub fn stopped(&self, error: Error, scene: &Scene, params: &Params, finish: impl FnOnce(&mut report::Report)) -> Failure {
+    /// The bake and its read-out ended with an error: saves what there is, where it can be gone on from. With `safe`
+    /// the folder holds a whole solution of a smaller rung, which is worth more than a part of the next.
+    pub fn stopped(
+        &self,
+        error: Error,
+        scene: &Scene,
+        params: &Params,
+        safe: bool,
+        finish: impl FnOnce(&mut report::Report),
+    ) -> Failure {
         let code = exit::of(&error).1;
         if self.checkpoint.is_empty() || matches!(error, Error::OtherBake { .. } | Error::Format { .. }) {
             return error.into();
@@ -49,13 +57,21 @@ impl Kept {
             let _ = std::fs::remove_file(&self.file);
             return error.into();
         }
-        match self.save(scene, params, finish) {
+        let own = self.checkpoint.params().unwrap_or(params);
+        let saved = if safe { self.save_checkpoint() } else { self.save(scene, own, finish) };
+        match saved {
             Ok(words) => {
                 let why = if code == exit::INTERRUPTED { "interrupted".into() } else { error.to_string() };
                 Failure { words: Some(format!("{why}; {words}; go on with: {}", command(std::env::args_os()))), error }
             }
             Err(unsaved) => Failure { words: Some(format!("{error}; and nothing could be saved: {unsaved}")), error },
         }
+    }
+
+    /// Saves the checkpoint alone; says so.
+    fn save_checkpoint(&self) -> Result<String> {
+        self.checkpoint.save(&self.file)?;
+        Ok(format!("saved {}; solution.rcell beside it is whole, of a smaller rung", self.file.display()))
     }
 
     /// Saves the checkpoint, the solution as far as it is known and its report; says what was saved.
@@ -88,16 +104,19 @@ impl Kept {
     }
 }
 
-/// The solution in a folder without a checkpoint where it is whole and of this very bake, so that reading out is
-/// all there is to do.
-pub fn already(folder: &Path, scene: &Scene, params: &Params) -> Option<Solution> {
-    if folder.join(NAME).exists() {
+/// The solution in a folder where it is whole and of this very bake: without a checkpoint reading out is all there is
+/// to do. Of a climb any rung will do.
+pub fn already(folder: &Path, scene: &Scene, params: &Params, climb: bool) -> Option<Solution> {
+    if folder.join(NAME).exists() && !climb {
         return None;
     }
     let solution = Solution::load(&folder.join("solution.rcell")).ok()?;
     let then = solution.scene();
     let same = !solution.is_partial()
-        && solution.report().params == *params
+        && match climb {
+            true => (0..=Params::LAST_RUNG).any(|n| params.rung(n) == solution.report().params),
+            false => solution.report().params == *params,
+        }
         && (then.space, &then.vertices, &then.faces, &then.materials)
             == (scene.space, &scene.vertices, &scene.faces, &scene.materials);
     same.then_some(solution)

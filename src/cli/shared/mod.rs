@@ -1,6 +1,7 @@
 //! What several commands have in common: groups of flags, and what becomes of them.
 
 pub mod camera;
+pub mod goal;
 pub mod interrupt;
 pub mod kept;
 pub mod machine;

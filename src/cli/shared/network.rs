@@ -37,6 +37,9 @@ pub struct Network {
     /// Reflections that are counted [default: all of them].
     #[arg(long, value_name = "N")]
     pub bounces: Option<u32>,
+    /// Where points get a final gather [default: adaptive].
+    #[arg(long, value_enum)]
+    pub gather: Option<Gather>,
     /// Times the rays carry the solution once more, 0 to 16; for comparisons.
     #[arg(long, hide = true)]
     pub refinements: Option<u32>,
@@ -73,6 +76,16 @@ pub enum Cells {
     Trained,
     /// Rays drawn at random.
     Random,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Gather {
+    /// Nowhere: the nodes' own light.
+    None,
+    /// Where surroundings are nearer than nodes lie apart.
+    Adaptive,
+    /// At every point.
+    Everywhere,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -117,6 +130,14 @@ pub fn params(flags: &Network) -> Result<Params> {
             Solver::GaussSeidel => params::Solver::GaussSeidel,
         }),
         bounces: flags.bounces,
+        gather_rays: match flags.gather {
+            Some(Gather::None) => 0,
+            _ => default.gather_rays,
+        },
+        gather_threshold: match flags.gather {
+            Some(Gather::Everywhere) => params::EVERYWHERE,
+            _ => default.gather_threshold,
+        },
         refinements: flags.refinements.unwrap_or(default.refinements),
         cells_from: flags.cells_from.map_or(default.cells_from, |c| match c {
             Cells::Trained => params::Cells::Trained,

@@ -1,5 +1,5 @@
 //! A learned kernel as links: a cell stands for the light between its two ends, as much of it as its part of the
-//! pairs' measure times its value, spread around both ends as wide as the inputs lie that it wins.
+//! pairs' measure times its mean answer there, spread around both ends as wide as the inputs lie that it wins.
 
 use super::ends::Ends;
 use crate::engine::Engine;
@@ -10,24 +10,25 @@ use crate::network::pairs::{PairMetric, end, node_end};
 use crate::network::supervised::{Samples, Settings, Supervised};
 use crate::radiosity::coefficients::Coefficients;
 use crate::scene::Geometry;
-use crate::twin::winner::Feature;
 use std::collections::BTreeMap;
 
 /// Surface points a node that tell its area.
 const POINTS_PER_NODE: usize = 64;
 /// Footprints end where they have fallen to exp of minus this.
 const REACH: f32 = 6.0;
+/// Variance of a footprint, at least, in units of L²: what a cell that won a single input has.
+const LEAST_VARIANCE: f32 = 1e-9;
 
 /// Where an end of a pair lies in an input.
 const EMITTER: usize = 0;
 const RECEIVER: usize = 6;
 
-/// The part of each place in a footprint of Gaussian shape about an end of a cell, summing to 1: places, each with an
+/// The part of each place in a footprint of Gaussian shape about an end of a link, summing to 1: places, each with an
 /// area. Of none in reach the nearest has all.
-fn footprint(cell: &Feature, at: usize, variance: f32, places: &[[f32; 6]], areas: &[f64]) -> Vec<(u32, f64)> {
+fn footprint(centre: &[f32; RECEIVER + 6], at: usize, variance: f32, places: &[[f32; 6]], areas: &[f64]) -> Vec<(u32, f64)> {
     let exponents: Vec<f32> = places
         .iter()
-        .map(|p| (0..6).map(|k| (p[k] - cell[at + k]) * (p[k] - cell[at + k])).sum::<f32>() / (2.0 * variance))
+        .map(|p| (0..6).map(|k| (p[k] - centre[at + k]) * (p[k] - centre[at + k])).sum::<f32>() / (2.0 * variance))
         .collect();
     let least = exponents.iter().copied().fold(f32::MAX, f32::min);
     let near = exponents.iter().enumerate().filter(|(_, e)| **e - least < REACH);
@@ -64,16 +65,29 @@ pub fn build<E: Engine>(
         }
     }
 
-    // The cells' parts of the pairs' measure, how wide they are, and what they answer.
-    let (mut part, mut spread) = (vec![0.0; net.cells.len()], vec![0.0; net.cells.len()]);
-    for (s, input) in samples.values.iter().zip(&samples.inputs).filter(|(s, _)| s.winner != NONE) {
-        let cell = s.winner as usize;
-        let d: f32 = input.iter().zip(&net.cells[cell]).map(|(a, b)| (a - b) * (a - b)).sum();
-        part[cell] += s.weight as f64;
-        spread[cell] += (s.weight * d) as f64;
+    // The cells' parts of the pairs' measure, what the network answers there, and the mean of the inputs. All over the
+    // whole part: a cell lies beside that mean, drawn by its neighbours, and a plane's value there is not its mean.
+    let counted = || samples.values.iter().zip(&samples.inputs).filter(|(s, _)| s.winner != NONE);
+    let [mut part, mut answers] = [(); 2].map(|()| vec![0.0; net.cells.len()]);
+    let mut sums = vec![[0.0; RECEIVER + 6]; net.cells.len()];
+    for (s, input) in counted() {
+        let (cell, weight) = (s.winner as usize, s.weight as f64);
+        part[cell] += weight;
+        answers[cell] += weight * s.output.clamp(0.0, 1.0) as f64;
+        sums[cell].iter_mut().zip(input).for_each(|(sum, &x)| *sum += weight * x as f64);
     }
-    let answers = net.answer(engine, settings, &net.cells)?;
-    let directions = if geometry.flatland { 2.0 } else { 4.0 };
+    let centres: Vec<_> = sums.iter().zip(&part).map(|(sum, part)| sum.map(|x| (x / part) as f32)).collect();
+
+    // How wide each end is.
+    let mut spread = vec![[0.0; 2]; net.cells.len()];
+    for (s, input) in counted() {
+        let cell = s.winner as usize;
+        for (sum, at) in spread[cell].iter_mut().zip([EMITTER, RECEIVER]) {
+            let d: f32 = (at..at + 6).map(|k| (input[k] - centres[cell][k]) * (input[k] - centres[cell][k])).sum();
+            *sum += (s.weight * d) as f64;
+        }
+    }
+    let directions = if geometry.flatland { 1.0 } else { 2.0 };
 
     // Spread every cell around both its ends.
     let place = |e: ([f32; 3], [f32; 3])| {
@@ -86,14 +100,14 @@ pub fn build<E: Engine>(
     let mut links = Ends::default();
     let mut rows = vec![Vec::new(); nodes.len()];
     for c in (0..net.cells.len()).filter(|&c| part[c] > 0.0) {
-        let variance = ((spread[c] / part[c] / directions) as f32).max(f32::MIN_POSITIVE);
+        let variance = spread[c].map(|s| ((s / part[c] / directions) as f32).max(LEAST_VARIANCE));
         let pairs = part[c] * geometry.area * geometry.area / samples.drawn as f64;
-        let flux = pairs * answers[c].clamp(0.0, 1.0) as f64 * metric.clamp as f64;
+        let flux = pairs * answers[c] / part[c] * metric.clamp as f64;
         if flux <= 0.0 {
             continue;
         }
         let (mut gather, mut sent) = (BTreeMap::<u32, f64>::new(), [0.0f32; 4]);
-        for (q, share) in footprint(&net.cells[c], EMITTER, variance, &senders, &sender_areas) {
+        for (q, share) in footprint(&centres[c], EMITTER, variance[0], &senders, &sender_areas) {
             for l in &ends.gather[q as usize] {
                 *gather.entry(l.other).or_default() += share * l.value as f64;
             }
@@ -101,7 +115,7 @@ pub fn build<E: Engine>(
                 sent[k] += share as f32 * ends.sent[q as usize][k];
             }
         }
-        for (j, share) in footprint(&net.cells[c], RECEIVER, variance, &receivers, &node_areas) {
+        for (j, share) in footprint(&centres[c], RECEIVER, variance[1], &receivers, &node_areas) {
             let value = (share * flux / node_areas[j as usize].max(f64::MIN_POSITIVE)) as f32;
             rows[j as usize].push(Link { other: links.gather.len() as u32, value, ..Link::default() });
         }
