@@ -129,7 +129,7 @@ fn places(scene: &Scene, count: usize) -> Outcome<Vec<SurfacePoint>> {
             let t = cdf[cdf.partition_point(|c| c.0 <= wanted).min(cdf.len() - 1)].1;
             let (b1, b2) = place_on(geometry.flatland, unit(u[0]), unit(u[1]));
             let local = position(&geometry.tris[t], b1, b2);
-            let p = [0, 1, 2].map(|k| local[k] as f64 / geometry.scale + geometry.center[k]);
+            let p = geometry.to_world(local.to_array());
             SurfacePoint { p, n: geometry.tris[t].normal.map(f64::from) }
         })
         .collect())

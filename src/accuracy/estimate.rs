@@ -157,11 +157,10 @@ fn test<E: Engine>(
     progress.tick()?;
 
     // What one bounce of it says, twice.
-    let from = engine.upload(places)?;
     let mut halves = Vec::new();
     for n in 0..2 {
         let of = |which| seed_of(seed(which), n);
-        let mut hits = engine.shoot(&from, of(Stream::TestRays), 0, half)?;
+        let mut hits = engine.shoot(&batch, of(Stream::TestRays), 0, half)?;
         shade::light_hits(engine, params, solution.spacing(), &mut hits, of(Stream::TestHits), shade::BOUNCES, progress)?;
         halves.push(engine.gather(&hits, half, true, exact)?);
         progress.tick()?;

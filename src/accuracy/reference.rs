@@ -122,10 +122,8 @@ impl<'a> Reference<'a> {
     /// Begins one at places that the passes have found, as what a camera sees: without a first look, all alike.
     #[cfg(feature = "cli")]
     pub(super) fn at(scene: &'a Scene, geometry: &'a Geometry, places: &[Point], seed: u32) -> Reference<'a> {
-        let world = |p: &Point| SurfacePoint {
-            p: [0, 1, 2].map(|k| p.p[k] as f64 / geometry.scale + geometry.center[k]),
-            n: geometry.tris[p.tri as usize].normal.map(f64::from),
-        };
+        let world =
+            |p: &Point| SurfacePoint { p: geometry.to_world(p.p), n: geometry.tris[p.tri as usize].normal.map(f64::from) };
         let spots = places.iter().map(|p| Spot { tri: p.tri, p: Vec3::from(p.p) }).collect();
         let mut even = Reference::begin(scene, geometry, places.iter().map(world).collect(), spots, seed);
         even.state.share = vec![1; places.len()];
@@ -305,7 +303,7 @@ pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<Surfac
         let (b1, b2) = place_on(geometry.flatland, place as f32, unit(u[1]));
         let p = position(tri, b1, b2);
         if !is_covered(geometry, t as u32, p, seed_of(seed, i)) {
-            let world = [0, 1, 2].map(|k| p[k] as f64 / geometry.scale + geometry.center[k]);
+            let world = geometry.to_world(p.to_array());
             let n = tri.normal.map(f64::from);
             // Only what a query finds again.
             if geometry.locate(world, n).is_some_and(|found| geometry.tris[found.tri as usize].plane == tri.plane) {

@@ -64,6 +64,6 @@ pub fn run<E: Engine>(
     })?;
     let net = &mut saved.network;
     net.coefficients = Some(coefficients::Coefficients { system: unread(&surface.nodes), ..built });
-    (net.light, net.solved) = (light, Some(solved));
+    (net.light, net.solved, net.surface) = (light, Some(solved), Some(surface));
     flux::account(engine, geometry, params, &mut batches, saved, clock, progress)
 }

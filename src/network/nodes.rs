@@ -104,9 +104,14 @@ pub fn sample_points(geometry: &Geometry, weight: &[f64], count: u32, seed: u32)
 /// The surface point of two random numbers, by the cumulative distribution over the tiles.
 pub fn place_of(geometry: &Geometry, cdf: &[u32], u: u32, v: u32) -> Point {
     let (tile, at) = invert_cdf(cdf.len() as u32, |t| cdf[t as usize], u);
+    place_on_tile(geometry, tile, at, unit(v))
+}
+
+/// The surface point at two numbers in [0, 1) of a tile.
+pub fn place_on_tile(geometry: &Geometry, tile: u32, u: f32, v: f32) -> Point {
     let tri = geometry.tile_tri[tile as usize];
     let t = &geometry.tris[tri as usize];
-    let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, at, unit(v));
+    let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, u, v);
     surface_point(geometry, tri, b1, b2)
 }
 

@@ -1,13 +1,14 @@
 //! Tables over the tiles: where rays start, and how dense nodes lie (design §1, steps 1 and 4).
 
-use super::nodes::tile_corners;
+use super::nodes::{place_on_tile, tile_corners};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point, Tile, kind};
 use crate::progress::Progress;
 use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
-use crate::twin::math::seed_of;
+use crate::twin::math::{invert_cdf, seed_of, unit};
+use crate::twin::sobol::sobol4;
 use std::collections::HashMap;
 
 /// Points in flight.
@@ -20,33 +21,26 @@ pub fn mean(x: &[f64; 3]) -> f64 {
 
 /// A random point of every tile.
 pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
-    use crate::twin::{math::unit, sobol::sobol4, trace};
-    (0..geometry.tiles)
-        .map(|t| {
-            let tri = geometry.tile_tri[t as usize];
-            let r = &geometry.tris[tri as usize];
-            let u = sobol4(t, seed);
-            let (b1, b2) = trace::place_in_tile(geometry.flatland, r.split, t - r.first_tile, unit(u[0]), unit(u[1]));
-            // The tile is known; rounding must not move the point to its neighbour.
-            Point { tile: t, kind: kind::FRONT, ..trace::surface_point(geometry, tri, b1, b2) }
-        })
-        .collect()
+    let place = |t| {
+        let u = sobol4(t, seed);
+        place_of_tile(geometry, t, unit(u[0]), unit(u[1]))
+    };
+    (0..geometry.tiles).map(place).collect()
 }
 
 /// `count` points drawn by start densities.
 pub fn drawn(geometry: &Geometry, starts: &[Tile], seed: u32, count: u32) -> Vec<Point> {
-    use crate::twin::{math::invert_cdf, math::unit, sobol::sobol4, trace};
-    (0..count)
-        .map(|i| {
-            let u = sobol4(i, seed);
-            let (t, place) = invert_cdf(starts.len() as u32, |t| starts[t as usize].cdf, u[0]);
-            let tri = geometry.tile_tri[t as usize];
-            let r = &geometry.tris[tri as usize];
-            let (b1, b2) = trace::place_in_tile(geometry.flatland, r.split, t - r.first_tile, place, unit(u[1]));
-            let density = starts[t as usize].density;
-            Point { tile: t, kind: kind::FRONT, density, ..trace::surface_point(geometry, tri, b1, b2) }
-        })
-        .collect()
+    let place = |i| {
+        let u = sobol4(i, seed);
+        let (t, at) = invert_cdf(starts.len() as u32, |t| starts[t as usize].cdf, u[0]);
+        Point { density: starts[t as usize].density, ..place_of_tile(geometry, t, at, unit(u[1])) }
+    };
+    (0..count).map(place).collect()
+}
+
+/// A front point of a tile that is known: rounding must not move it to the neighbour.
+fn place_of_tile(geometry: &Geometry, tile: u32, u: f32, v: f32) -> Point {
+    Point { tile, kind: kind::FRONT, ..place_on_tile(geometry, tile, u, v) }
 }
 
 /// A first estimate of direct light at every tile's point.

@@ -1,7 +1,7 @@
 //! Fig. 3: the kernel of two walls in flatland, with the fissure that a blocker cuts into it, and a network of it.
 
 use super::fig2::{share_in_varied_tenth, variation};
-use super::kernel::{Learned, analytic, distance, learn, point, world};
+use super::kernel::{Learned, analytic, distance, learn, point};
 use super::{Figure, Press, dense, stage};
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
@@ -156,7 +156,7 @@ pub fn make(press: &mut Press, options: &Options) -> Result<Figure> {
     let back = |f: &[f32]| [0, 1, 2].map(|k| f[k] as f64 * geometry.unit / geometry.scale + geometry.center[k]);
     let flux_cells: Vec<[f64; 2]> = by_flux.cells().iter().filter_map(|c| parameters(back(&c[0..3]), back(&c[6..9]))).collect();
     let samples = |l: &Learned| -> Vec<[f64; 2]> {
-        l.places.iter().filter_map(|[x, y]| parameters(world(&geometry, x), world(&geometry, y))).collect()
+        l.places.iter().filter_map(|[x, y]| parameters(geometry.to_world(x.p), geometry.to_world(y.p))).collect()
     };
     let varied = variation(&found.kernel);
     let [resampled, uniform] = [&found.network, &found.uniform].map(samples);

@@ -206,7 +206,7 @@ pub fn flat(press: &mut Press, options: &Options) -> Result<Figure> {
         .collect();
     let color = |p: &Point| -> Option<Seen> {
         let face = walls.source[p.tri as usize] as usize / 2;
-        let world = [0, 1, 2].map(|k| p.p[k] as f64 / walls.scale + walls.center[k]);
+        let world = walls.to_world(p.p);
         let [a, b, _] = scene.corners(face).map(DVec3::from_array);
         let u = ((DVec3::new(world[0], world[1], 0.0) - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
         let values = if world[2] > 0.5 * DEPTH { &light.analytic } else { &light.network };

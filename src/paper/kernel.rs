@@ -84,11 +84,6 @@ pub fn point(geometry: &Geometry, p: [f64; 3], n: [f64; 3]) -> Result<Point> {
     Ok(surface_point(geometry, at.tri, b1.clamp(0.0, 1.0), b2.clamp(0.0, 1.0)))
 }
 
-/// A place, metres.
-pub fn world(geometry: &Geometry, p: &Point) -> [f64; 3] {
-    [0, 1, 2].map(|k| p.p[k] as f64 / geometry.scale + geometry.center[k])
-}
-
 /// Relative L2 distance of `found` from `truth`.
 pub fn distance(found: &[f64], truth: &[f64]) -> f64 {
     let off: f64 = found.iter().zip(truth).map(|(f, t)| (f - t) * (f - t)).sum();

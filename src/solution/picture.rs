@@ -99,7 +99,7 @@ fn primary_feet(scene: &Scene, geometry: &Geometry, camera: &Camera) -> Result<V
     let foot = |hit: Point| {
         let face = walls.source[hit.tri as usize];
         let tri = segment[face as usize / 2];
-        let world = [0, 1, 2].map(|k| hit.p[k] as f64 / walls.scale + walls.center[k]);
+        let world = walls.to_world(hit.p);
         let mut p = DVec3::from_array(geometry.to_local(world)).as_vec3();
         p.z = 0.0;
         let (b1, _) = barycentric(true, geometry.tris.get(tri as usize)?, p);

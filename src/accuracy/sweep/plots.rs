@@ -168,16 +168,8 @@ pub fn estimates(record: &Record) -> Option<Result<Drawing, Fault>> {
 }
 
 /// Shades of the stages, as [`STAGES`].
-const STAGE_COLORS: [RGBColor; 8] = [
-    RGBColor(90, 90, 90),
-    RGBColor(213, 94, 0),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 114, 178),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(205, 205, 205),
-    RGBColor(86, 180, 233),
-];
+const STAGE_COLORS: [RGBColor; 8] =
+    [RGBColor(90, 90, 90), SERIES[0], SERIES[4], SERIES[1], SERIES[2], SERIES[3], RGBColor(205, 205, 205), SERIES[5]];
 
 /// Where the time goes: a bar a setting, its stages as shares, its seconds at its end.
 pub fn stages(record: &Record) -> Result<Drawing, Fault> {
