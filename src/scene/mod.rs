@@ -8,6 +8,8 @@ mod load;
 mod mtl;
 mod obj;
 mod polygon;
+#[doc(hidden)]
+pub mod shapes;
 mod sides;
 mod surface;
 mod text;

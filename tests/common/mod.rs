@@ -63,3 +63,27 @@ pub fn emitted(scene: &Scene, points: &[SurfacePoint]) -> Vec<[f64; 3]> {
 pub fn radiosity(answers: &[Answer]) -> Vec<[f64; 3]> {
     answers.iter().map(|a| a.b).collect()
 }
+
+/// A number of `tests/data/truths.json`.
+pub fn known(id: &str) -> f64 {
+    static TRUTHS: OnceLock<Vec<serde_json::Value>> = OnceLock::new();
+    let truths = TRUTHS.get_or_init(|| {
+        let text = std::fs::read_to_string(root("tests/data/truths.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    });
+    let found = truths.iter().find(|t| t["id"] == id).unwrap_or_else(|| panic!("no truth {id}"));
+    found["value"].as_f64().unwrap()
+}
+
+/// Why outputs cannot be: not finite, negative, or above max(e)/(1 - max(rho)) by more than a relative `error` (the maximum
+/// principle). The rule that holds in every scene.
+pub fn impossible(answers: &[Answer], scene: &Scene, error: f64) -> Option<String> {
+    let most = |of: fn(&raycell::scene::Material) -> [f64; 3]| scene.materials.iter().flat_map(of).fold(0.0, f64::max);
+    let bound = PI * most(|m| m.emission) / (1.0 - most(|m| m.reflectance));
+    answers.iter().enumerate().find_map(|(i, a)| {
+        let numbers = a.b.iter().chain(&a.h).chain(&a.d);
+        let finite = numbers.clone().all(|x| x.is_finite());
+        let possible = finite && numbers.clone().all(|&x| x >= 0.0) && a.b.iter().all(|&b| b <= bound * (1.0 + error));
+        (!possible).then(|| format!("point {i}: {a:?}, and no radiosity is above {bound}"))
+    })
+}

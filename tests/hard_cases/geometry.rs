@@ -1,0 +1,1 @@
+//! Geometry: cases A of `docs/hard_cases.md`.

@@ -1,0 +1,1 @@
+//! GPU: cases H of `docs/hard_cases.md`.

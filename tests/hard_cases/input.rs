@@ -1,0 +1,1 @@
+//! Input: cases B of `docs/hard_cases.md`.

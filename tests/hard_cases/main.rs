@@ -1,0 +1,14 @@
+//! Hard cases: what breaks global-illumination solvers, each with a truth nobody can argue with. `docs/hard_cases.md` is
+//! the catalogue; a case `A01` is passed by the tests whose names begin with `a01_`. `ci/hard_cases` runs them and counts.
+
+mod catalogue;
+#[path = "../common/mod.rs"]
+mod common;
+mod geometry;
+mod gpu;
+mod input;
+mod network;
+mod scale;
+mod solutions;
+mod sums;
+mod visibility;

@@ -1,0 +1,1 @@
+//! Network: cases F of `docs/hard_cases.md`.

@@ -1,0 +1,1 @@
+//! Scale: cases C of `docs/hard_cases.md`.

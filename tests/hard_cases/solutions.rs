@@ -1,0 +1,1 @@
+//! Solutions: cases E of `docs/hard_cases.md`.

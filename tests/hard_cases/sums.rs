@@ -1,0 +1,1 @@
+//! Sums: cases G of `docs/hard_cases.md`.

@@ -1,0 +1,1 @@
+//! Visibility: cases D of `docs/hard_cases.md`.
