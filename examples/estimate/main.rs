@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example estimate -- claim` bakes the claim's scenes (seeds 21 to 40), `tune` those for tuning
 //! (101 to 120), `shipped` those with a truth in tests/data: three rungs of the ladder of sizes, three seeds each. Each
-//! prints a table in Markdown and the claim's figures. `scenes SEED ...` says what the random scenes hold, `obj SEED
+//! prints a row a run, a table in Markdown and the claim's figures; what was baked is kept, and stopped it goes on. `scenes SEED ...` says what the random scenes hold, `obj SEED
 //! FILE` writes one, `references SEED ... seconds=60` makes their truths, or goes on with them. More words narrow a table:
 //! seeds or names of scenes, and `rungs=2,4`, `seeds=2`. Truths are kept in target/estimate.
 
@@ -20,8 +20,8 @@ type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 const CLAIM: std::ops::RangeInclusive<u32> = 21..=40;
 /// Seeds of the scenes for tuning.
 const TUNE: std::ops::RangeInclusive<u32> = 101..=120;
-/// Rungs of the settings: 16,384, 65,536 and 262,144 rays.
-const RUNGS: [u32; 3] = [2, 4, 6];
+/// Rungs of the settings: 16,384, 65,536 and 131,072 rays.
+const RUNGS: [u32; 3] = [2, 4, 5];
 /// Seeds of the bakes.
 const SEEDS: u32 = 3;
 
@@ -88,6 +88,6 @@ fn bake(more: &[&str], all: impl Fn() -> Outcome<Vec<truths::Case>>) -> Outcome 
             }
         }
     }
-    println!("\n{}", table.claim());
+    println!("\n{}\n{}", table.short(), table.claim());
     Ok(())
 }
