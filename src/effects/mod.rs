@@ -47,7 +47,7 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
         .collect()
 }
 
-/// Says in each effect's cost what share of a bake's time it took, most expensive first, after what was there.
+/// What a bake spent its time on, as shares of it, the largest first; empty where its time is not known.
 pub fn after(report: &Report) -> Vec<(&'static str, f64)> {
     let s = &report.seconds;
     let Some(total) = s.total.filter(|&t| t > 0.0) else { return Vec::new() };
@@ -148,7 +148,7 @@ mod tests {
         analyse(&Scene::from_triangles("room", triangles, materials).unwrap()).unwrap()
     }
 
-    fn on<'a>(effects: &'a [EffectReport], name: Name) -> &'a EffectReport {
+    fn on(effects: &[EffectReport], name: Name) -> &EffectReport {
         effects.iter().find(|e| e.name == name.word()).unwrap()
     }
 
