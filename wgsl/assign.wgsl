@@ -85,8 +85,8 @@ fn weights(i: u32) -> Psi {
         return result;
     }
     let p = points[i].p;
-    let n = tris[tri].normal;
-    let plane = tris[tri].plane;
+    let n = tri_normal(tri);
+    let plane = tri_plane(tri);
 
     // Keep the nearest candidates in order; the earlier of two equals comes first. The slots are named
     // one by one, so that they stay in registers.

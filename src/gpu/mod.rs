@@ -12,6 +12,8 @@ mod failure;
 pub(crate) mod frames;
 #[doc(hidden)]
 pub mod kernel;
+#[doc(hidden)]
+pub mod paged;
 mod publish;
 #[doc(hidden)]
 pub mod readback;
@@ -23,12 +25,14 @@ pub mod wgsl;
 mod work;
 
 #[doc(hidden)]
-pub use buffer::GpuVec;
+pub use buffer::{Bound, GpuVec};
 #[doc(hidden)]
 pub use dispatch::{HEAVY, Job, LIGHT};
 pub use failure::Watch;
 #[doc(hidden)]
 pub use kernel::{Access, Constants, Kernel, Pipeline};
+#[doc(hidden)]
+pub use paged::Records;
 
 use crate::error::{Error, Result};
 use bytemuck::Pod;
@@ -45,12 +49,14 @@ pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
     route: Route,
-    kernels: Mutex<HashMap<(&'static str, Constants), Arc<Pipeline>>>,
+    kernels: Mutex<HashMap<(&'static str, Constants, bool), Arc<Pipeline>>>,
     times: Times,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
     /// Bytes that vectors hold on the device.
     bytes: Arc<AtomicU64>,
+    /// Bytes that a binding may hold.
+    binding: u64,
 }
 
 /// Storage buffers a kernel may bind.
@@ -117,8 +123,15 @@ impl Gpu {
         Self::check_limits(device)?;
         let device = device.clone();
         let bytes = Arc::default();
-        let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len(), None)?;
-        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes })
+        let binding = device.limits().max_storage_buffer_binding_size;
+        let status = GpuVec::allocate(&device, &bytes, binding, "status", wgsl::KERNELS.len(), None)?;
+        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes, binding })
+    }
+
+    /// The same with smaller bindings than the device has: what exceeds them is paged, or refused.
+    #[doc(hidden)]
+    pub fn with_bindings_of(self, bytes: u64) -> Gpu {
+        Gpu { binding: bytes.min(self.binding), ..self }
     }
 
     /// The buffer of finished flags, to bind as `status`.

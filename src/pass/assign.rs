@@ -25,7 +25,7 @@ params!(
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "assign",
-    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 );
 
 /// The weights of many points, looked at in the order of `order`, a permutation of them.
@@ -45,14 +45,14 @@ pub fn assign(
         ..Params::default()
     };
     let buffers = [
-        scene.nodes.buffer(),
-        scene.tris.buffer(),
-        surface.nodes.buffer(),
-        surface.lists.buffer(),
-        points.buffer(),
-        order.buffer(),
-        psi.buffer(),
-        gpu.status(),
+        scene.nodes.bound(),
+        scene.tris.bound(),
+        surface.nodes.bound(),
+        surface.lists.bound(),
+        points.bound(),
+        order.bound(),
+        psi.bound(),
+        gpu.status().into(),
     ];
     gpu.run(&scene.kernel(KERNEL), &params, &buffers, points.len(), HEAVY)?;
     Ok(psi)

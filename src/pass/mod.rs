@@ -23,7 +23,7 @@ pub mod winner;
 pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Constants, Gpu, GpuVec, Kernel, sentinel};
+use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
 use crate::scene::{Geometry, Scene};
 use crate::twin::assign::Surface;
@@ -53,10 +53,14 @@ fn constants(flatland: bool) -> Constants {
     if flatland { &[("FLATLAND", 1)] } else { &[] }
 }
 
-/// The kernels that bakes and read-outs of a scene use.
-pub(crate) fn kernels(scene: &Scene) -> Vec<Kernel> {
+/// The kernels that bakes and read-outs of a scene use on a device.
+pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
     let constants = constants(scene.is_flatland());
-    KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants))).collect()
+    // Where faces are dropped it may come out otherwise; what is missing then is compiled when it is needed.
+    let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
+    let paged = bytes > device.limits().max_storage_buffer_binding_size;
+    let all = KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants)));
+    all.map(|k| k.paged(paged && k.buffers.contains(&Access::Scene))).collect()
 }
 
 /// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.
@@ -80,9 +84,9 @@ use params;
 #[derive(Clone, Debug)]
 pub struct SceneBuffers {
     /// Hierarchy.
-    pub nodes: GpuVec<BvhNode>,
+    pub nodes: Records<BvhNode>,
     /// Triangles.
-    pub tris: GpuVec<Tri>,
+    pub tris: Records<Tri>,
     /// Materials.
     pub materials: GpuVec<Material>,
     /// Emitters.
@@ -93,6 +97,8 @@ pub struct SceneBuffers {
     pub tile_tri: GpuVec<u32>,
     /// What sets the shaders to its space.
     constants: Constants,
+    /// Whether hierarchy and triangles are paged.
+    paged: bool,
 }
 
 impl SceneBuffers {
@@ -101,20 +107,27 @@ impl SceneBuffers {
     /// Errors: [`Error::Limit`] where the hierarchy is too deep for the traversal stack or a buffer too large.
     pub fn new(gpu: &Gpu, geometry: &Geometry) -> Result<SceneBuffers> {
         check_depth(&geometry.nodes)?;
+        let paged = gpu.must_page(size_of_val(&geometry.nodes[..]).max(size_of_val(&geometry.tris[..])));
         Ok(SceneBuffers {
-            nodes: gpu.upload("nodes", &geometry.nodes)?,
-            tris: gpu.upload("tris", &geometry.tris)?,
+            nodes: Records::upload(gpu, "nodes", &geometry.nodes, paged)?,
+            tris: Records::upload(gpu, "tris", &geometry.tris, paged)?,
             materials: gpu.upload("materials", &geometry.materials)?,
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
             constants: constants(geometry.flatland),
+            paged,
         })
     }
 
-    /// A kernel that looks at surfaces, set to this scene's space.
+    /// A kernel that looks at surfaces, set to this scene's space and size.
     fn kernel(&self, kernel: Kernel) -> Kernel {
-        kernel.with(self.constants)
+        self.reader(kernel).with(self.constants)
+    }
+
+    /// A kernel that reads triangles, set to this scene's size.
+    fn reader(&self, kernel: Kernel) -> Kernel {
+        kernel.paged(self.paged)
     }
 }
 
