@@ -48,6 +48,7 @@ pub mod doctor;
 pub mod engine;
 pub mod error;
 pub mod gpu;
+mod hash;
 #[doc(hidden)]
 pub mod layout;
 #[cfg(feature = "cli")]

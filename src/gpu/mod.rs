@@ -57,6 +57,8 @@ pub struct Gpu {
     bytes: Arc<AtomicU64>,
     /// Bytes that a binding may hold.
     binding: u64,
+    /// Bytes of a scene's records beyond which they are paged.
+    whole: u64,
 }
 
 /// Storage buffers a kernel may bind.
@@ -125,13 +127,20 @@ impl Gpu {
         let bytes = Arc::default();
         let binding = device.limits().max_storage_buffer_binding_size;
         let status = GpuVec::allocate(&device, &bytes, binding, "status", wgsl::KERNELS.len(), None)?;
-        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes, binding })
+        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes, binding, whole: binding })
     }
 
     /// The same with smaller bindings than the device has: what exceeds them is paged, or refused.
     #[doc(hidden)]
     pub fn with_bindings_of(self, bytes: u64) -> Gpu {
-        Gpu { binding: bytes.min(self.binding), ..self }
+        let binding = bytes.min(self.binding);
+        Gpu { binding, whole: binding, ..self }
+    }
+
+    /// The same with all scenes paged, whatever their size.
+    #[doc(hidden)]
+    pub fn with_paged_scenes(self) -> Gpu {
+        Gpu { whole: 0, ..self }
     }
 
     /// The buffer of finished flags, to bind as `status`.

@@ -126,6 +126,6 @@ impl<T: Pod> Records<T> {
 impl Gpu {
     /// Whether records of so many bytes must be paged.
     pub fn must_page(&self, bytes: usize) -> bool {
-        bytes as u64 > self.binding
+        bytes as u64 > self.whole
     }
 }

@@ -3,13 +3,13 @@
 use super::nodes::{place_on_tile, tile_corners};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::hash::NumberMap;
 use crate::layout::{DirectSum, Point, Tile, kind};
 use crate::progress::Progress;
 use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::{invert_cdf, seed_of, unit};
 use crate::twin::sobol::sobol4;
-use std::collections::HashMap;
 
 /// Points in flight.
 const BATCH: usize = 65_536;
@@ -111,7 +111,7 @@ pub fn node_density<E: Engine>(
 
     // Average over the tiles of one piece that share a box three tiles wide.
     let width = 3.0 * geometry.spacing(TILES as usize);
-    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
+    let mut bins: NumberMap<[i64; 4], (f64, f64)> = NumberMap::default();
     let key = |t: usize| {
         let c = tile_corners(geometry, t as u32);
         let c = (c[0] + c[1] + c[2]) / 3.0;

@@ -16,8 +16,8 @@ params!(
         lambda: f32,
         /// Where the candidates begin.
         first_list: u32,
-        /// Padding.
-        pad0: u32,
+        /// Where the starts of lists begin that tiles share; 0: each tile has its own.
+        shared: u32,
         /// Padding.
         pad1: u32,
     }
@@ -42,6 +42,7 @@ pub fn assign(
         inv_unit: surface.inv_unit,
         lambda: surface.lambda,
         first_list: surface.first_list,
+        shared: surface.shared,
         ..Params::default()
     };
     let buffers = [

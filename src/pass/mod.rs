@@ -136,10 +136,13 @@ impl SceneBuffers {
 pub struct SurfaceBuffers {
     /// Nodes.
     pub nodes: GpuVec<Node>,
-    /// The candidates: the start of each tile's list, one more than there are tiles, then all lists by words.
+    /// The candidates: each tile's group where tiles share lists; the start of each list, one more than there are lists;
+    /// then all lists by words.
     pub lists: GpuVec<u32>,
     /// Where the lists begin.
     pub first_list: u32,
+    /// Where the starts of lists begin that tiles share; 0: each tile has its own.
+    pub shared: u32,
     /// 1/L, per local length.
     pub inv_unit: f32,
     /// Weight of normals.
@@ -149,12 +152,16 @@ pub struct SurfaceBuffers {
 impl SurfaceBuffers {
     /// Uploads a surface network.
     pub fn new(gpu: &Gpu, surface: &Surface) -> Result<SurfaceBuffers> {
-        let mut lists = surface.offsets.clone();
+        let mut lists = surface.groups.as_ref().map_or(Vec::new(), |groups| groups.of_tile.clone());
+        let shared = lists.len() as u32;
+        lists.extend_from_slice(&surface.offsets);
+        let first_list = lists.len() as u32;
         lists.extend_from_slice(bytemuck::cast_slice::<Candidate, u32>(&surface.candidates));
         Ok(SurfaceBuffers {
             nodes: gpu.upload("surface nodes", &surface.nodes)?,
             lists: gpu.upload("candidates", &lists)?,
-            first_list: surface.offsets.len() as u32,
+            first_list,
+            shared,
             inv_unit: surface.inv_unit,
             lambda: surface.lambda,
         })

@@ -8,6 +8,7 @@ mod geometry;
 mod gpu;
 mod input;
 mod network;
+mod paging;
 mod scale;
 mod solutions;
 mod sums;
