@@ -162,7 +162,7 @@ fn parameters_match() {
                 pad1
             }),
         ),
-        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, shared, pad1 })),
+        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, joint, pad1 })),
         ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
         ("winner", layout!(pass::winner::Params { base, count, flag, features, first, end, pad0, pad1 })),
         ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),

@@ -9,7 +9,7 @@ struct Params {
     inv_unit: f32, // 1/L
     lambda: f32, // weight of normals
     first_list: u32, // where the candidates begin
-    shared: u32, // where the starts of shared lists begin, after each tile's group; 0: each tile has its own
+    joint: u32, // where the starts of shared lists begin, after each tile's group; 0: each tile has its own
     pad1: u32,
 }
 
@@ -110,8 +110,8 @@ fn weights(i: u32) -> Psi {
     var c7 = NONE;
     var c8 = NONE;
     var list = tile;
-    if params.shared != 0u {
-        list = params.shared + lists[tile];
+    if params.joint != 0u {
+        list = params.joint + lists[tile];
     }
     let end = lists[list + 1u];
     var c = lists[list];
@@ -119,7 +119,7 @@ fn weights(i: u32) -> Psi {
         let d = distance2(p, n, candidate_node(c));
         if d < d8 {
             // A list of several tiles holds nodes of other cones, too.
-            if params.shared != 0u && dot3(n, nodes[candidate_node(c)].n) <= CONE {
+            if params.joint != 0u && dot3(n, nodes[candidate_node(c)].n) <= CONE {
                 continue;
             }
             let b0 = d < d0;

@@ -17,7 +17,7 @@ params!(
         /// Where the candidates begin.
         first_list: u32,
         /// Where the starts of lists begin that tiles share; 0: each tile has its own.
-        shared: u32,
+        joint: u32,
         /// Padding.
         pad1: u32,
     }
@@ -42,7 +42,7 @@ pub fn assign(
         inv_unit: surface.inv_unit,
         lambda: surface.lambda,
         first_list: surface.first_list,
-        shared: surface.shared,
+        joint: surface.joint,
         ..Params::default()
     };
     let buffers = [

@@ -142,7 +142,7 @@ pub struct SurfaceBuffers {
     /// Where the lists begin.
     pub first_list: u32,
     /// Where the starts of lists begin that tiles share; 0: each tile has its own.
-    pub shared: u32,
+    pub joint: u32,
     /// 1/L, per local length.
     pub inv_unit: f32,
     /// Weight of normals.
@@ -153,7 +153,7 @@ impl SurfaceBuffers {
     /// Uploads a surface network.
     pub fn new(gpu: &Gpu, surface: &Surface) -> Result<SurfaceBuffers> {
         let mut lists = surface.groups.as_ref().map_or(Vec::new(), |groups| groups.of_tile.clone());
-        let shared = lists.len() as u32;
+        let joint = lists.len() as u32;
         lists.extend_from_slice(&surface.offsets);
         let first_list = lists.len() as u32;
         lists.extend_from_slice(bytemuck::cast_slice::<Candidate, u32>(&surface.candidates));
@@ -161,7 +161,7 @@ impl SurfaceBuffers {
             nodes: gpu.upload("surface nodes", &surface.nodes)?,
             lists: gpu.upload("candidates", &lists)?,
             first_list,
-            shared,
+            joint,
             inv_unit: surface.inv_unit,
             lambda: surface.lambda,
         })
