@@ -163,7 +163,7 @@ fn pilot<E: Engine>(
         .collect();
     saved.keep(progress)?;
 
-    let first: Vec<f64> = sent.iter().map(mean).collect();
+    let first = tiles::of_tiles(geometry, sent.iter().map(mean).collect());
     let stage = Stage {
         rays: pilot_rays(params),
         cells: PILOT_CELLS,
@@ -201,6 +201,7 @@ fn pilot<E: Engine>(
             })
             .collect())
     })?;
+    let carried = tiles::of_tiles(geometry, carried);
     progress.tick()?;
     // Of the usual number of nodes, so that bakes of all sizes have the same pilot.
     let usual = Params::default().node_count(geometry.pieces, geometry.flatland);

@@ -74,10 +74,7 @@ impl Slots {
         let head = wgpu::BufferBinding { buffer: &uniform, offset: 0, size: wgpu::BufferSize::new(size as u64) };
         let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(head) }];
         entries.extend(
-            buffers
-                .iter()
-                .enumerate()
-                .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.resource() }),
+            buffers.iter().enumerate().map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.resource() }),
         );
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
@@ -135,14 +132,7 @@ impl Gpu {
     /// Binds a kernel to its buffers for `items` items, at most `chunk` a dispatch.
     ///
     /// `params` holds `base` and `count` in its first eight bytes; both are overwritten.
-    pub fn prepare<P: Pod, B>(
-        &self,
-        kernel: &Kernel,
-        params: &P,
-        buffers: &[B],
-        items: usize,
-        chunk: u32,
-    ) -> Result<Arc<Job>>
+    pub fn prepare<P: Pod, B>(&self, kernel: &Kernel, params: &P, buffers: &[B], items: usize, chunk: u32) -> Result<Arc<Job>>
     where
         for<'a> &'a B: Into<Bound>,
     {
@@ -215,10 +205,30 @@ impl Gpu {
         Ok(())
     }
 
-    /// Runs a job, one submission a dispatch, so that no submission is long. Does not wait.
+    /// Runs a job, one submission a dispatch, so that no submission is long. Waits only where raycell submits and the job is
+    /// cut, for its first part: by how long that takes the others are cut.
     pub fn run_job(&self, job: &Arc<Job>) -> Result<()> {
-        for items in Job::ranges(job.items, job.chunk) {
+        if self.in_frames() {
+            // The host's frames cut it.
+            for items in Job::ranges(job.items, job.chunk) {
+                self.hand(|| job.name.to_string(), Work::Dispatch { job: job.clone(), items })?;
+            }
+            return Ok(());
+        }
+        let mut rest = 0..job.items;
+        while !rest.is_empty() {
+            let (count, measured) = self.paces.next(job, &rest);
+            let items = rest.start..rest.start + count;
+            rest.start += count;
+            if measured {
+                self.wait()?;
+            }
+            let start = Instant::now();
             self.hand(|| job.name.to_string(), Work::Dispatch { job: job.clone(), items })?;
+            if measured {
+                self.wait()?;
+                self.paces.took(job, count, start.elapsed().as_secs_f64());
+            }
         }
         Ok(())
     }

@@ -116,8 +116,7 @@ impl Gpu {
             ty,
             count: None,
         };
-        let buffer =
-            |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+        let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
         let mut entries = vec![entry(0, buffer(wgpu::BufferBindingType::Uniform, true))];
         entries.extend(kernel.buffers.iter().enumerate().map(|(i, &access)| {
             let ty = match access {

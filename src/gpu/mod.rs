@@ -12,6 +12,7 @@ mod failure;
 pub(crate) mod frames;
 #[doc(hidden)]
 pub mod kernel;
+mod pace;
 #[doc(hidden)]
 pub mod paged;
 mod publish;
@@ -37,8 +38,9 @@ pub use paged::Records;
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use frames::Frames;
+use pace::Paces;
 use stamps::Times;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 use work::Route;
@@ -51,6 +53,7 @@ pub struct Gpu {
     route: Route,
     kernels: Mutex<HashMap<(&'static str, Constants, bool), Arc<Pipeline>>>,
     times: Times,
+    paces: Paces,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
     /// Bytes that vectors hold on the device.
@@ -127,7 +130,17 @@ impl Gpu {
         let bytes = Arc::default();
         let binding = device.limits().max_storage_buffer_binding_size;
         let status = GpuVec::allocate(&device, &bytes, binding, "status", wgsl::KERNELS.len(), None)?;
-        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes, binding, whole: binding })
+        Ok(Gpu {
+            device,
+            route,
+            kernels: Mutex::default(),
+            times: Times::default(),
+            paces: Paces::default(),
+            status,
+            bytes,
+            binding,
+            whole: binding,
+        })
     }
 
     /// The same with smaller bindings than the device has: what exceeds them is paged, or refused.
@@ -141,6 +154,18 @@ impl Gpu {
     #[doc(hidden)]
     pub fn with_paged_scenes(self) -> Gpu {
         Gpu { whole: 0, ..self }
+    }
+
+    /// From now on every dispatch is waited for and timed: for tests, and to see that none is long.
+    #[doc(hidden)]
+    pub fn measure_dispatches(&self) {
+        self.paces.measure_all();
+    }
+
+    /// Seconds of each kernel's longest dispatch, of those that were timed.
+    #[doc(hidden)]
+    pub fn longest_dispatches(&self) -> BTreeMap<&'static str, f64> {
+        self.paces.longest()
     }
 
     /// The buffer of finished flags, to bind as `status`.

@@ -68,8 +68,7 @@ impl<T: Pod> Records<T> {
                 cure: "use fewer triangles",
             });
         }
-        let size =
-            wgpu::Extent3d { width: ROW as u32, height: rows.min(ROW) as u32, depth_or_array_layers: layers as u32 };
+        let size = wgpu::Extent3d { width: ROW as u32, height: rows.min(ROW) as u32, depth_or_array_layers: layers as u32 };
         let texture = gpu.scoped(
             || format!("allocating texture '{label}'"),
             || {
@@ -88,13 +87,7 @@ impl<T: Pod> Records<T> {
         for (k, part) in bytes.chunks(ROWS * ROW * TEXEL).enumerate() {
             // The last row is filled up.
             let height = part.len().div_ceil(ROW * TEXEL);
-            let from = buffer::make(
-                &gpu.device,
-                label,
-                (height * ROW * TEXEL) as u64,
-                wgpu::BufferUsages::COPY_SRC,
-                Some(part),
-            )?;
+            let from = buffer::make(&gpu.device, label, (height * ROW * TEXEL) as u64, wgpu::BufferUsages::COPY_SRC, Some(part))?;
             let row = k * ROWS;
             let work = Work::Fill {
                 from,

@@ -17,8 +17,7 @@ macro_rules! sources {
 pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather", "respond"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] =
-    sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "boxes", "boxes_paged", "triangles", "triangles_paged"];
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "boxes", "boxes_paged", "triangles", "triangles_paged"];
 
 /// What differs where the scene is paged: the module that reads records, the one in its place, and the binding's type.
 const PAGED: [(&str, &str, &str); 2] =

@@ -2,7 +2,7 @@
 //! tiles, far more than its light has detail: lists of their own would take gigabytes.
 
 use crate::hash::NumberMap;
-use crate::layout::Candidate;
+use crate::layout::{Candidate, NONE};
 use crate::network::nodes::tile_corners;
 use crate::scene::{Geometry, TILES};
 use crate::twin::assign::{CONE, NEAREST, Surface};
@@ -21,6 +21,27 @@ pub struct Groups {
     /// The group of each tile.
     pub of_tile: Vec<u32>,
     groups: Vec<Group>,
+}
+
+impl Groups {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// A tile of each group: its first.
+    pub fn tiles(&self) -> Vec<u32> {
+        let mut first = vec![NONE; self.groups.len()];
+        for (tile, &group) in self.of_tile.iter().enumerate().rev() {
+            first[group as usize] = tile as u32;
+        }
+        first
+    }
 }
 
 /// What tiles have in common.

@@ -19,13 +19,24 @@ pub fn mean(x: &[f64; 3]) -> f64 {
     (x[0] + x[1] + x[2]) / 3.0
 }
 
-/// A random point of every tile.
+/// A random point of every tile; where tiles are in groups, of one tile each group ([`of_tiles`]).
 pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
     let place = |t| {
         let u = sobol4(t, seed);
         place_of_tile(geometry, t, unit(u[0]), unit(u[1]))
     };
-    (0..geometry.tiles).map(place).collect()
+    match &geometry.groups {
+        None => (0..geometry.tiles).map(place).collect(),
+        Some(groups) => groups.tiles().into_iter().map(place).collect(),
+    }
+}
+
+/// What is known at [`places`], for every tile.
+pub fn of_tiles<T: Clone>(geometry: &Geometry, known: Vec<T>) -> Vec<T> {
+    match &geometry.groups {
+        None => known,
+        Some(groups) => groups.of_tile.iter().map(|&g| known[g as usize].clone()).collect(),
+    }
 }
 
 /// `count` points drawn by start densities.

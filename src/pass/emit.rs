@@ -57,7 +57,8 @@ pub struct ProbeParams {
 
 pub(super) const KERNEL: Kernel =
     Kernel::new("emit", &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write]);
-pub(super) const PROBE: Kernel = Kernel::new("probe", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
+pub(super) const PROBE: Kernel =
+    Kernel::new("probe", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.
 pub fn emit(

@@ -53,6 +53,13 @@ fn constants(flatland: bool) -> Constants {
     if flatland { &[("FLATLAND", 1)] } else { &[] }
 }
 
+/// Every kernel with every text and every set of constants that it may have.
+pub fn variants() -> Vec<Kernel> {
+    let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
+    let all = KERNELS.iter().copied().chain([false, true].into_iter().flat_map(|f| spatial().map(move |k| k.with(constants(f)))));
+    all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
+}
+
 /// The kernels that bakes and read-outs of a scene use on a device.
 pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
     let constants = constants(scene.is_flatland());

@@ -23,7 +23,8 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel::new("shoot", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
+pub(super) const KERNEL: Kernel =
+    Kernel::new("shoot", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
 
 /// Rays `first..first + rays` of each point's own sequence, `rays` consecutive hits a point.
 pub fn shoot(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>, seed: u32, first: u32, rays: u32) -> Result<GpuVec<Point>> {

@@ -134,12 +134,15 @@ pub fn bumpy_room(triangles: usize) -> Scene {
             (centre + 0.55 * bump * d).to_array()
         }
     };
-    for (k, square) in (0..8).flat_map(|k| flipped(room([-1.0; 3], [1.0; 3], [0; 6])).into_iter().step_by(2).map(move |s| (k, s))) {
+    for (k, square) in (0..8).flat_map(|k| flipped(room([-1.0; 3], [1.0; 3], [0; 6])).into_iter().step_by(2).map(move |s| (k, s)))
+    {
         let centre = DVec3::new([1.0, 3.0][k % 2], [0.7, 2.0][k / 2 % 2], [1.0, 3.0][k / 4]);
         let place = ball(centre);
-        // A quad's first triangle has both its sides.
-        let [a, b, c] = square.0.map(DVec3::from);
-        let (a, u, v) = if (b - a).dot(c - a).abs() < 1e-9 { (a, b - a, c - a) } else { (b, c - b, a - b) };
+        // A quad's triangle has two of its sides, at a right angle.
+        let corners = square.0.map(DVec3::from);
+        let at = |k: usize| (corners[k], corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
+        let right = (0..3).find(|&k| at(k).1.dot(at(k).2).abs() < 1e-9);
+        let (a, u, v) = at(right.unwrap_or(0));
         let (u, v) = if u.cross(v).dot(a + 0.5 * (u + v)) > 0.0 { (u, v) } else { (v, u) };
         let first = vertices.len() as u32;
         for j in 0..=cuts {
@@ -179,7 +182,8 @@ mod tests {
         assert_eq!(ball.len(), 20 * 64);
         let bumpy = bumpy_room(5_000);
         assert!((4_500..5_500).contains(&bumpy.faces.len()));
-        let balls: Triangles = (0..bumpy.faces.len()).map(|f| (bumpy.corners(f), bumpy.faces[f].material)).filter(|t| t.1 == 1).collect();
+        let balls: Triangles =
+            (0..bumpy.faces.len()).map(|f| (bumpy.corners(f), bumpy.faces[f].material)).filter(|t| t.1 == 1).collect();
         let each = volume(&balls) / 8.0 / (8.0 * std::f64::consts::PI * 0.55f64.powi(3));
         assert!((each - 1.0).abs() < 0.1, "{each}");
         assert!((volume(&ball) / (8.0 * std::f64::consts::PI) - 1.0).abs() < 0.01, "{}", volume(&ball));

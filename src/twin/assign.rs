@@ -71,10 +71,7 @@ pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
         if surface.groups.is_some() && n.dot(Vec3::from(node.n)) <= CONE {
             continue;
         }
-        let mut item = (
-            distance2(surface, p, n, node),
-            surface.candidates[c as usize],
-        );
+        let mut item = (distance2(surface, p, n, node), surface.candidates[c as usize]);
         for slot in near.iter_mut() {
             if item.0 < slot.0 {
                 std::mem::swap(&mut item, slot);

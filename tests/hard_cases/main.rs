@@ -4,6 +4,7 @@
 mod catalogue;
 #[path = "../common/mod.rs"]
 mod common;
+mod faults;
 mod geometry;
 mod gpu;
 mod input;

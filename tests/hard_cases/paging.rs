@@ -1,6 +1,7 @@
 //! Scenes whose records exceed a binding: triangles and hierarchy as texels, lists that tiles share.
 
 use crate::common::{gpu, impossible, open, root};
+use glam::DVec3;
 use raycell::accuracy::{self, Climb, Goal};
 use raycell::gpu::Gpu;
 use raycell::layout::Psi;
@@ -8,7 +9,6 @@ use raycell::network::{groups, nodes::surface_of, tiles};
 use raycell::pass::{self, SceneBuffers, SurfaceBuffers};
 use raycell::scene::{Geometry, shapes};
 use raycell::{Backend, Checkpoint, Event, Flow, Method, Params, Scene, Solution, SurfacePoint, bake, twin};
-use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
