@@ -25,7 +25,7 @@ pub use engine::GpuEngine;
 use crate::error::{Error, Result};
 use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::{Geometry, Scene};
+use crate::scene::{Geometry, Obstacle, Scene, obstacle};
 use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
 
@@ -48,21 +48,28 @@ const KERNELS: &[Kernel] = &[
 /// Those that look at surfaces, each once for every space.
 const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit::PROBE, shoot::KERNEL];
 
-/// What sets the shaders to a space.
-fn constants(flatland: bool) -> Constants {
-    if flatland { &[("FLATLAND", 1)] } else { &[] }
+/// What sets the shaders to a space, and leaves out shadow rays where nothing can occlude.
+fn constants(flatland: bool, occludes: bool) -> Constants {
+    match (flatland, occludes) {
+        (false, true) => &[],
+        (true, true) => &[("FLATLAND", 1)],
+        (false, false) => &[("OCCLUSION", 0)],
+        (true, false) => &[("FLATLAND", 1), ("OCCLUSION", 0)],
+    }
 }
 
 /// Every kernel with every text and every set of constants that it may have.
 pub fn variants() -> Vec<Kernel> {
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
-    let all = KERNELS.iter().copied().chain([false, true].into_iter().flat_map(|f| spatial().map(move |k| k.with(constants(f)))));
+    let spaces = [(false, false), (false, true), (true, false), (true, true)];
+    let spatial = spaces.into_iter().flat_map(|(flat, occludes)| spatial().map(move |k| k.with(constants(flat, occludes))));
+    let all = KERNELS.iter().copied().chain(spatial);
     all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
 }
 
 /// The kernels that bakes and read-outs of a scene use on a device.
 pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
-    let constants = constants(scene.is_flatland());
+    let constants = constants(scene.is_flatland(), obstacle(scene) != Obstacle::None);
     // Where faces are dropped it may come out otherwise; what is missing then is compiled when it is needed.
     let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
     let paged = bytes > device.limits().max_storage_buffer_binding_size;
@@ -122,7 +129,7 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
-            constants: constants(geometry.flatland),
+            constants: constants(geometry.flatland, geometry.occludes),
             paged,
         })
     }
