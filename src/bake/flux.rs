@@ -168,7 +168,7 @@ fn pilot<E: Engine>(
         .collect();
     saved.keep(progress)?;
 
-    let first: Vec<f64> = sent.iter().map(mean).collect();
+    let first = tiles::of_tiles(geometry, sent.iter().map(mean).collect());
     let stage = Stage {
         rays: pilot_rays(params),
         cells: PILOT_CELLS,
@@ -206,6 +206,7 @@ fn pilot<E: Engine>(
             })
             .collect())
     })?;
+    let carried = tiles::of_tiles(geometry, carried);
     progress.tick()?;
     // Of the usual number of nodes, so that bakes of all sizes have the same pilot.
     let usual = Params::default().node_count(geometry.pieces, geometry.flatland);

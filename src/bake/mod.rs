@@ -78,15 +78,31 @@ pub fn bake_from(
     saved: &mut Checkpoint,
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
+    bake_prepared(backend, scene, &mut None, params, saved, progress)
+}
+
+/// As [`bake_from`], for several bakes of one scene with one norm: the first prepares it for all.
+pub(crate) fn bake_prepared(
+    backend: &Backend,
+    scene: &Scene,
+    prepared: &mut Option<Geometry>,
+    params: &Params,
+    saved: &mut Checkpoint,
+    progress: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<Solution> {
     params.check()?;
     let mut progress = Progress::new(progress);
     progress.event(Event::Stage { name: "bvh" })?;
     let start = Instant::now();
-    let geometry = Geometry::for_bake(scene, params)?;
+    let geometry = match prepared {
+        Some(geometry) => geometry,
+        None => prepared.insert(Geometry::for_bake(scene, params)?),
+    };
     let bvh = start.elapsed().as_secs_f64();
+    let geometry = &*geometry;
     let resumed = !saved.is_empty();
-    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
-    let mut warnings = doctor::warnings(scene, &geometry);
+    saved.claim(Key::new(backend, scene, geometry, params), geometry)?;
+    let mut warnings = doctor::warnings(scene, geometry);
     if params.norm == Norm::Paper1997 {
         warnings.push(PAPER_NORM.into());
     }
@@ -97,12 +113,12 @@ pub fn bake_from(
     let mut clock = Clock::default();
     let mut solution = match backend {
         Backend::Cpu => {
-            let engine = &mut TwinEngine::new(&geometry);
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut TwinEngine::new(geometry);
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
         Backend::Gpu(gpu) => {
-            let engine = &mut GpuEngine::new(gpu, &geometry)?;
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut GpuEngine::new(gpu, geometry)?;
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
     };
 

@@ -4,12 +4,14 @@
 use super::{Obstacle, Scene, cumulative, obstacle};
 use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
+use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
+use crate::network::groups::{self, Groups};
 use crate::params::{Norm, Params};
 use crate::twin::direct::near2;
 use glam::Vec3;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
 pub(crate) const TILES: f64 = 20_000.0;
@@ -55,6 +57,8 @@ pub struct Geometry {
     pub tiles: u32,
     /// Triangle of each tile.
     pub tile_tri: Vec<u32>,
+    /// Tiles that share lists of nodes, where there are many.
+    pub groups: Option<Arc<Groups>>,
     /// Area that reflects or emits, local.
     pub area: f64,
     /// The length L that features are measured in, local: sqrt(area/6), in flatland length/4; 1 of a unit box.
@@ -133,14 +137,17 @@ impl Geometry {
             return Err(empty());
         }
         let scale = power_of_two_for(half);
-        let local = |v: u32| [0, 1, 2].map(|k| ((scene.vertices[v as usize][k] - center[k]) * scale) as f32);
+        let local = |v: &[f64; 3]| [0, 1, 2].map(|k| ((v[k] - center[k]) * scale) as f32);
+        let locals: Vec<[f32; 3]> = scene.vertices.iter().map(local).collect();
+        let places = places(&locals);
 
         // Keep triangles that have an area after the cast, each once.
         let mut kept: Vec<Kept> = Vec::new();
         let (mut degenerate, mut duplicate) = (Vec::new(), Vec::new());
-        let mut seen = HashMap::new();
+        let mut seen: NumberMap<[u32; 3], u32> = NumberMap::default();
+        seen.reserve(scene.faces.len());
         for (i, face) in scene.faces.iter().enumerate() {
-            let corners = face.vertices.map(local);
+            let corners = face.vertices.map(|v| locals[v as usize]);
             let c = corners.map(|v| v.map(f64::from));
             // The left of a segment, as long as it; of a triangle twice as long as its area.
             let way = sub(c[1], c[0]);
@@ -158,15 +165,16 @@ impl Geometry {
                 degenerate.push(i as u32);
                 continue;
             }
-            match seen.entry(wound(corners)) {
+            let ends = face.vertices.map(|v| places[v as usize]);
+            match seen.entry(wound(ends)) {
                 Entry::Occupied(first) => {
-                    duplicate.push([i as u32, *first.get()]);
+                    duplicate.push([i as u32, kept[*first.get() as usize].face]);
                     continue;
                 }
-                Entry::Vacant(free) => free.insert(i as u32),
+                Entry::Vacant(free) => free.insert(kept.len() as u32),
             };
             let area = if flatland { double_area } else { 0.5 * double_area };
-            kept.push(Kept { face: i as u32, corners, normal: normal.map(|x| x / double_area), area });
+            kept.push(Kept { face: i as u32, corners, ends, normal: normal.map(|x| x / double_area), area });
         }
         if kept.is_empty() {
             return Err(empty());
@@ -202,7 +210,8 @@ impl Geometry {
 
         // Number planar pieces, cut live area into tiles.
         let twins = twins(flatland, &kept, &seen);
-        let mut planes = planar_pieces(&kept, &twins, scene);
+        drop(seen);
+        let mut planes = planar_pieces(&kept, &twins, places, scene);
         let pieces = planes.iter().max().map_or(0, |&m| m + 1);
         join_twins(&mut planes, &twins, pieces);
         let material_of = |i: usize| scene.faces[kept[i].face as usize].material;
@@ -211,7 +220,7 @@ impl Geometry {
         let tile_area = area.max(1e-3 * total) / TILES;
         let (mut tris, mut source, mut areas, mut tile_tri) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for &i in &order {
-            let Kept { face, corners, normal, area: tri_area } = kept[i];
+            let Kept { face, corners, normal, area: tri_area, .. } = kept[i];
             let material = material_of(i);
             let split = match (live(material), flatland) {
                 (false, _) => 1,
@@ -256,7 +265,7 @@ impl Geometry {
             .collect();
 
         let lit = area.max(1e-3 * total);
-        Ok(Geometry {
+        let mut geometry = Geometry {
             flatland,
             occludes: obstacle(scene) != Obstacle::None,
             arrives: 1.0,
@@ -272,12 +281,15 @@ impl Geometry {
             emitter_density: if all > 0.0 { (1.0 / all) as f32 } else { 0.0 },
             tiles: tile_tri.len() as u32,
             tile_tri,
+            groups: None,
             area,
             unit: if flatland { lit / 4.0 } else { (lit / 6.0).sqrt() },
             pieces,
             degenerate,
             duplicate,
-        })
+        };
+        geometry.groups = groups::groups(&geometry).map(Arc::new);
+        Ok(geometry)
     }
 
     /// Area of a tile, local.
@@ -353,6 +365,8 @@ struct Kept {
     /// Index in [`Scene::faces`].
     face: u32,
     corners: [[f32; 3]; 3],
+    /// Where the corners are, by number: see [`places`].
+    ends: [u32; 3],
     normal: [f64; 3],
     area: f64,
 }
@@ -371,24 +385,30 @@ impl obvhs::Boundable for Bounds {
     }
 }
 
-/// Corners by which a triangle is known again. The same corners wound the other way are another surface:
-/// they are rotated, not sorted.
-fn wound(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
-    let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
-    let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
-    key.rotate_left(first);
-    key
+/// A number for each vertex's place: vertices of one place have one.
+fn places(vertices: &[[f32; 3]]) -> Vec<u32> {
+    let mut at: NumberMap<[u32; 3], u32> = NumberMap::default();
+    at.reserve(vertices.len());
+    // Adding 0 makes both zeros one.
+    vertices.iter().enumerate().map(|(i, v)| *at.entry(v.map(|x| (x + 0.0).to_bits())).or_insert(i as u32)).collect()
 }
 
-/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the face of
-/// each kept triangle's corners.
-fn twins(flatland: bool, kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
+/// Corners by which a triangle is known again. The same corners wound the other way are another surface:
+/// they are rotated, not sorted.
+fn wound(mut ends: [u32; 3]) -> [u32; 3] {
+    let first = (0..3).min_by_key(|&k| ends[k]).unwrap_or(0);
+    ends.rotate_left(first);
+    ends
+}
+
+/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the triangle of
+/// each three corners.
+fn twins(flatland: bool, kept: &[Kept], seen: &NumberMap<[u32; 3], u32>) -> Vec<u32> {
     let twin = |k: &Kept| {
-        let [a, b, c] = k.corners;
-        let face = seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] }))?;
-        kept.binary_search_by_key(face, |k| k.face).ok()
+        let [a, b, c] = k.ends;
+        seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] })).copied()
     };
-    kept.iter().map(|k| twin(k).map_or(NONE, |t| t as u32)).collect()
+    kept.iter().map(|k| twin(k).unwrap_or(NONE)).collect()
 }
 
 /// Gives both sides of a sheet one number, marked [`TWIN`], so that a ray that leaves one side meets neither.
@@ -405,12 +425,21 @@ fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
 /// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
 /// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material, all of them
 /// with a twin or none. Segments of flatland too short for that angle are granted their rounding.
-fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
-    let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
-    let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
+fn planar_pieces(kept: &[Kept], twins: &[u32], places: Vec<u32>, scene: &Scene) -> Vec<u32> {
+    // The triangles around each place, one list after the other.
+    let mut starts = vec![0u32; places.len() + 1];
+    for end in kept.iter().flat_map(|k| k.ends) {
+        starts[end as usize + 1] += 1;
+    }
+    for i in 0..places.len() {
+        starts[i + 1] += starts[i];
+    }
+    let (mut around, mut next) = (vec![0u32; 3 * kept.len()], places);
+    next.copy_from_slice(&starts[..starts.len() - 1]);
     for (i, k) in kept.iter().enumerate() {
-        for v in &k.corners {
-            at.entry(key(*v)).or_default().push(i as u32);
+        for end in k.ends {
+            around[next[end as usize] as usize] = i as u32;
+            next[end as usize] += 1;
         }
     }
     let flatland = scene.is_flatland();
@@ -421,14 +450,17 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
         if plane[i] != NONE {
             continue;
         }
-        let Kept { face, corners, normal, area } = kept[i];
+        let Kept { face, corners, normal, area, .. } = kept[i];
         let material = scene.faces[face as usize].material;
         let origin = corners[0].map(f64::from);
         plane[i] = pieces;
         stack.push(i);
         while let Some(t) = stack.pop() {
-            for v in kept[t].corners {
-                for &o in &at[&key(v)] {
+            for end in kept[t].ends {
+                for &o in &around[starts[end as usize] as usize..starts[end as usize + 1] as usize] {
+                    if plane[o as usize] != NONE {
+                        continue;
+                    }
                     let other = &kept[o as usize];
                     // Rounding turns a short segment by this angle, and the line that it tells.
                     let turned = if flatland { 2e-7 / other.area.min(area) } else { 0.0 };
@@ -436,8 +468,7 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
                         let off = sub(c.map(f64::from), origin);
                         dot(off, normal).abs() < 1e-6 + turned * dot(off, off).sqrt()
                     });
-                    if plane[o as usize] == NONE
-                        && (twins[o as usize] == NONE) == (twins[i] == NONE)
+                    if (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
                         && dot(other.normal, normal) > 1.0 - 1e-8 - turned * turned
                         && level
