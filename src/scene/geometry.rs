@@ -1,7 +1,7 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::{Scene, cumulative};
+use super::{Scene, cumulative, hierarchy};
 use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
@@ -190,14 +190,7 @@ impl Geometry {
 
         // Build the hierarchy and lay triangles out in its leaf order.
         let boxes: Vec<Bounds> = kept.iter().map(|k| Bounds { corners: k.corners, flatland }).collect();
-        let bvh =
-            obvhs::bvh2::builder::build_bvh2(&boxes, obvhs::BvhBuildParams::medium_build(), &mut std::time::Duration::default());
-        let nodes: Vec<BvhNode> = bvh
-            .nodes
-            .iter()
-            .map(|n| BvhNode { min: n.min.to_array(), count: n.prim_count, max: n.max.to_array(), first: n.first_index })
-            .collect();
-        let order: Vec<usize> = bvh.primitive_indices.iter().map(|&i| i as usize).collect();
+        let (nodes, order) = hierarchy::build(&boxes);
 
         // Materials, with the emission brought near 1.
         let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max);

@@ -4,6 +4,7 @@ mod distribution;
 mod extruded;
 mod geometry;
 mod gltf;
+mod hierarchy;
 mod load;
 mod mtl;
 mod obj;
@@ -23,6 +24,7 @@ pub(crate) use extruded::wall;
 #[doc(hidden)]
 pub use geometry::Geometry;
 pub(crate) use geometry::TILES;
+pub(crate) use hierarchy::depth;
 pub use load::{KdSpace, LoadOptions, Up};
 #[doc(hidden)]
 pub use surface::Located;
