@@ -10,6 +10,7 @@ mod rays;
 use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
+use crate::effects;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::params::{Method, Mode, Norm, Params};
@@ -32,6 +33,7 @@ pub(crate) struct Clock {
     pub seconds: BTreeMap<&'static str, f64>,
     pub compile: Option<f64>,
     pub device_bytes: Option<u64>,
+    pub shadow_rays: Option<u64>,
 }
 
 impl Clock {
@@ -91,6 +93,7 @@ pub fn bake_from(
     for warning in &warnings {
         progress.event(Event::Warning(warning.clone()))?;
     }
+    let effects = effects::of(scene, &geometry);
     let mut clock = Clock::default();
     let mut solution = match backend {
         Backend::Cpu => {
@@ -106,6 +109,7 @@ pub fn bake_from(
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
+    report.effects = Some(effects);
     report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
     seconds.bvh = Some(bvh);
@@ -125,6 +129,7 @@ pub fn bake_from(
         ("dropped_coefficient_mass", serde_json::json!(net.coefficients.as_ref().map(|c| c.dropped))),
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
+        ("shadow_rays", serde_json::json!(clock.shadow_rays)),
         ("stages", serde_json::json!(clock.seconds)),
         ("learned", serde_json::json!(saved.learned)),
         // Times are then those since the bake went on.

@@ -7,7 +7,7 @@ use serde_json::Value;
 pub const DONE: u8 = 0;
 /// `doctor` found something.
 pub const FOUND: u8 = 1;
-/// A target was not reached.
+/// A target was not reached, or a case of the self-test failed.
 pub const MISSED: u8 = 1;
 /// Bad input or usage.
 pub const USAGE: u8 = 2;

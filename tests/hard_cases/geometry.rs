@@ -810,13 +810,13 @@ fn bends(rho: f64, id: &str, halves: &[i32], seeds: u32, limit: f64) {
 #[test]
 fn a15_light_bends_as_it_must_near_an_edge() {
     // Three times the catalogue's 0.02: of half the places and one seed, noise of 1e-4 of h leaves so much.
-    bends(0.9, "EDGE-EXP-0.9", &[6, 8, 10, 12, 14, 16, 18, 20], 1, 0.06);
+    bends(0.9, "EDGE-EXP-0.9", &[7, 9, 11, 13, 15, 17, 19, 21], 1, 0.06);
 }
 
 #[test]
 #[ignore = "minutes; cargo test --release --test hard_cases a15 -- --ignored --nocapture"]
 fn a15_light_bends_as_it_must_near_an_edge_whatever_the_reflectance() {
-    let all: Vec<i32> = (6..=20).collect();
+    let all: Vec<i32> = (8..=20).collect();
     for (rho, id) in [(0.5, "EDGE-EXP-0.5"), (0.9, "EDGE-EXP-0.9"), (0.99, "EDGE-EXP-0.99")] {
         bends(rho, id, &all, 2, 0.02);
     }
