@@ -69,6 +69,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),
+        Error::Overflow { .. } => ("overflow", USAGE),
         Error::NotContractive { .. } => ("not_contractive", USAGE),
         Error::NoDevice { .. } => ("no_device", NO_DEVICE),
         Error::Limit { .. } => ("limit", NO_DEVICE),
