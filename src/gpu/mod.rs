@@ -51,6 +51,8 @@ pub struct Gpu {
     status: GpuVec<u32>,
     /// Bytes that vectors hold on the device.
     bytes: Arc<AtomicU64>,
+    /// Invocations in a workgroup.
+    group: u32,
 }
 
 /// Storage buffers a kernel may bind.
@@ -118,7 +120,13 @@ impl Gpu {
         let device = device.clone();
         let bytes = Arc::default();
         let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len(), None)?;
-        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes })
+        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes, group: kernel::WORKGROUP })
+    }
+
+    /// The same device with workgroups of another size, 32 to 256: no result may depend on it (hard case G04).
+    #[doc(hidden)]
+    pub fn with_group(self, group: u32) -> Gpu {
+        Gpu { group, kernels: Mutex::default(), ..self }
     }
 
     /// The buffer of finished flags, to bind as `status`.

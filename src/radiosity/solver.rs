@@ -27,8 +27,8 @@ pub struct Solved {
     pub accelerated: bool,
 }
 
-/// Contraction factor above which sweeps are accelerated: plain ones would be some 130 and more.
-const SLOW: f64 = 0.9;
+/// Contraction factor above which sweeps are accelerated: plain ones would be some 60 and more.
+const SLOW: f64 = 0.8;
 /// Share of its most beyond which a node counts as lit by a mode.
 const LIT: f32 = 0.1;
 /// Looks without progress after which rounding is taken to have the last word.
@@ -130,7 +130,7 @@ pub fn iterate(
         return series(sweep, start, sweeps, progress);
     }
     let mut light = start;
-    let mut solved = Solved::default();
+    let mut solved = Solved { contraction: rule.factor, ..Solved::default() };
     let (mut last_change, mut least_change) = (f64::NAN, f64::INFINITY);
     let (mut grew, mut stuck) = (0, 0);
     while solved.sweeps < rule.max_sweeps {
@@ -151,7 +151,8 @@ pub fn iterate(
         let floor = 4.0 * f32::EPSILON as f64;
         if last_change > 0.0 && change > 0.0 {
             let factor = (change / last_change).powf(1.0 / STRIDE as f64);
-            if solved.residual > floor && factor < 1.0 {
+            // What was measured beforehand is better than what late steps, near rounding, seem to say.
+            if rule.factor == 0.0 && solved.residual > floor && factor < 1.0 {
                 solved.contraction = factor;
             }
             // Rounding makes the steps wander; only steps well above the smallest seen are growth.
@@ -163,7 +164,7 @@ pub fn iterate(
         }
         least_change = least_change.min(change);
         last_change = change;
-        let factor = solved.contraction.max(rule.factor).clamp(0.0, 0.999_999);
+        let factor = solved.contraction.clamp(0.0, 0.999_999);
         solved.error_bound = solved.residual.max(f32::EPSILON as f64) * factor / (1.0 - factor);
         progress.event(Event::Sweep { n: solved.sweeps, residual: solved.error_bound })?;
         if solved.sweeps >= 2 * STRIDE
