@@ -99,9 +99,7 @@ pub fn solve<E: Engine>(
         rule.factor = mode.factor;
     }
     match params.solver {
-        Solver::Jacobi if rule.factor > SLOW => {
-            refined::solve(engine, system, &geometry.materials, rule.factor, rule, progress)
-        }
+        Solver::Jacobi if rule.factor > SLOW => refined::solve(engine, system, &geometry.materials, rule.factor, rule, progress),
         Solver::Jacobi => {
             engine.set_system(system)?;
             iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, scene)

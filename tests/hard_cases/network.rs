@@ -151,7 +151,10 @@ fn f03_nothing_to_learn_is_not_learned() {
             let solution = bake(&Backend::Cpu, &scene, &params, &mut |_| Flow::Continue).unwrap();
             let answers = solution.query(&Backend::Cpu, &points).unwrap();
             assert_eq!(impossible(&answers, &scene, 0.0), None);
-            assert!(answers.iter().all(|a| a.h == [0.0; 3] && a.b.iter().all(|b| (b / PI - 1.0).abs() < 1e-7)), "{mode:?} {direct:?}");
+            assert!(
+                answers.iter().all(|a| a.h == [0.0; 3] && a.b.iter().all(|b| (b / PI - 1.0).abs() < 1e-7)),
+                "{mode:?} {direct:?}"
+            );
             if mode == Mode::Paper {
                 assert!(solution.report().cells <= 3, "{direct:?}: {} cells", solution.report().cells);
             }
@@ -276,7 +279,8 @@ fn f07_steps_contract_at_every_rate_that_is_taken() {
         let (offsets, neighbours) = net.complex.adjacency();
         for _ in 0..steps {
             let mut samples = [Sample { winner: 0, goal: 1.0, weight: 1.0, ..Sample::default() }];
-            let view = Net { cells: &net.cells, outputs: &net.outputs, offsets: &offsets, neighbours: &neighbours, linear: false };
+            let view =
+                Net { cells: &net.cells, outputs: &net.outputs, offsets: &offsets, neighbours: &neighbours, linear: false };
             let sums = respond(view, &[at(0.0)], &mut samples);
             net.teach(&sums, eta);
         }
@@ -322,7 +326,10 @@ fn f08_counters_are_handed_on_and_fade_to_nothing() {
     let mut samples = Default::default();
     let mut goal = Square::new(|p| p, edge);
     while !net.epoch(&mut goal, &s, &mut samples).unwrap() {}
-    assert!(net.cells.len() > 3 && net.resource.iter().chain([&net.error(&mut goal, &s, 1 << 20, 256).unwrap()]).all(|x| x.is_finite()));
+    assert!(
+        net.cells.len() > 3
+            && net.resource.iter().chain([&net.error(&mut goal, &s, 1 << 20, 256).unwrap()]).all(|x| x.is_finite())
+    );
 }
 
 #[test]
@@ -400,7 +407,8 @@ fn f10_the_learned_flow_has_finite_variance() {
         .collect();
     let mut sum = 0.0;
     for seed in 1..=10 {
-        let params = Params { seed, rays: 16_384, direct: Direct::Network, gather_rays: 0, bounces: Some(1), ..Params::default() };
+        let params =
+            Params { seed, rays: 16_384, direct: Direct::Network, gather_rays: 0, bounces: Some(1), ..Params::default() };
         let backend = gpu().map_or(Backend::Cpu, Backend::Gpu);
         let solution = bake(&backend, &scene, &params, &mut |_| Flow::Continue).unwrap();
         let answers = solution.query(&backend, &points).unwrap();
@@ -426,7 +434,11 @@ fn f11_units_do_not_matter() {
         let params = Params { rays: 4_096, ..Params::default() };
         let solution = bake(&backend, &scene(power), &params, &mut |_| Flow::Continue).unwrap();
         let cells: Vec<u32> = solution.cells().iter().flatten().map(|x| x.to_bits()).collect();
-        (cells, bytemuck::cast_slice::<_, u8>(solution.light()).to_vec(), bytemuck::cast_slice::<_, u8>(solution.nodes()).to_vec())
+        (
+            cells,
+            bytemuck::cast_slice::<_, u8>(solution.light()).to_vec(),
+            bytemuck::cast_slice::<_, u8>(solution.nodes()).to_vec(),
+        )
     };
     let want = bits(0);
     assert!(!want.0.is_empty() && !want.1.is_empty());

@@ -43,7 +43,7 @@ fn hollow(level: u32, r: f64) -> Triangles {
     shapes::flipped(shapes::moved(shapes::sphere(level, 0), |p| p.map(|x| r * x)))
 }
 
-/// A point of a triangle, by a number.
+/// A point of a triangle.
 struct At {
     face: usize,
     point: SurfacePoint,
@@ -51,21 +51,25 @@ struct At {
     share: f64,
 }
 
-/// `n` points on each triangle, or on every `step`th of them, by the R2 sequence.
+/// At least `n` points on each triangle, or on every `step`th of them: the middles of equal parts.
 fn points(scene: &Scene, n: usize, step: usize) -> Vec<At> {
     let mut out = Vec::new();
+    let cuts = (n as f64).sqrt().ceil() as usize;
+    let mut places: Vec<(f64, f64)> = Vec::new();
+    for (i, j) in (0..cuts * cuts).map(|k| (k / cuts, k % cuts)).filter(|(i, j)| i + j < cuts) {
+        let at = |third: f64| ((i as f64 + third) / cuts as f64, (j as f64 + third) / cuts as f64);
+        places.push(at(1.0 / 3.0));
+        if i + j + 1 < cuts {
+            places.push(at(2.0 / 3.0));
+        }
+    }
+    if scene.is_flatland() {
+        places = (0..n).map(|i| ((i as f64 + 0.5) / n as f64, 0.0)).collect();
+    }
     for face in (0..scene.faces.len()).step_by(step) {
         let [a, b, c] = scene.corners(face).map(DVec3::from_array);
         let normal = if scene.is_flatland() { DVec3::new(a.y - b.y, b.x - a.x, 0.0) } else { (b - a).cross(c - a) };
-        for i in 0..n {
-            let (u, v) = ((0.25 + 0.754877666 * i as f64).fract(), (1.0 / 3.0 + 0.569840291 * i as f64).fract());
-            let (u, v) = if scene.is_flatland() {
-                ((i as f64 + 0.5) / n as f64, 0.0)
-            } else if u + v > 1.0 {
-                (1.0 - u, 1.0 - v)
-            } else {
-                (u, v)
-            };
+        for &(u, v) in &places {
             let p = a + (b - a) * u + (c - a) * v;
             let point = SurfacePoint { p: p.to_array(), n: normal.normalize().to_array() };
             out.push(At { face, point, share: scene.area(face) });
@@ -157,7 +161,10 @@ fn e01_white_furnace_at_every_point() {
         let seconds = start.elapsed().as_secs_f64();
         let off = worst(&answers, want);
         let s = &solution.report().solver;
-        eprintln!("rho {rho}: {off:.1e} off at most, {tolerance:.1e} allowed; {} sweeps of {}, {seconds:.1} s", s.sweeps, s.method);
+        eprintln!(
+            "rho {rho}: {off:.1e} off at most, {tolerance:.1e} allowed; {} sweeps of {}, {seconds:.1} s",
+            s.sweeps, s.method
+        );
         assert!(off <= tolerance, "rho {rho}: {off}");
         assert!(s.error_bound.unwrap() < 2e-5 && s.sweeps < 200, "{s:?}");
     }
@@ -240,9 +247,8 @@ fn row_sums(system: &System) -> Vec<(f64, f64)> {
         .collect();
     let row = |(j, w): (usize, &[u32])| {
         let row = &system.node_links[w[0] as usize..w[1] as usize];
-        let sum = |f: fn(&raycell::layout::Link) -> f32| {
-            row.iter().map(|l| f64::from(f(l)) * cells[l.other as usize]).sum::<f64>()
-        };
+        let sum =
+            |f: fn(&raycell::layout::Link) -> f32| row.iter().map(|l| f64::from(f(l)) * cells[l.other as usize]).sum::<f64>();
         let p = &system.planes[j];
         let (m1, m2) = (sum(|l| l.first), sum(|l| l.second));
         (sum(|l| l.value), (f64::from(p.i11 + p.i22).max(0.0) / 2.0).sqrt() * (m1.abs() + m2.abs()))
@@ -346,11 +352,9 @@ fn closed_cornell() -> Triangles {
 
 #[test]
 fn e05_kirchhoff() {
-    for (name, triangles) in [
-        ("cube", shapes::cut(&cube([0; 6]), 4)),
-        ("sphere", hollow(2, 1.0)),
-        ("cornell, closed", closed_cornell()),
-    ] {
+    for (name, triangles) in
+        [("cube", shapes::cut(&cube([0; 6]), 4)), ("sphere", hollow(2, 1.0)), ("cornell, closed", closed_cornell())]
+    {
         let scene = kirchhoff(name, triangles);
         let at = points(&scene, (2_000 / scene.faces.len()).max(1), 1);
         let (_, answers) = solved(&scene, &smooth(), &at, 1e-3);
@@ -361,7 +365,12 @@ fn e05_kirchhoff() {
         };
         let open: Vec<Answer> = at.iter().zip(answers).filter(|(a, x)| !covered(a, x)).map(|(_, x)| x).collect();
         let off = worst(&open, known("KIRCHHOFF"));
-        eprintln!("{name}, {} triangles: {off:.1e} off at most, {} of {} points covered", scene.faces.len(), at.len() - open.len(), at.len());
+        eprintln!(
+            "{name}, {} triangles: {off:.1e} off at most, {} of {} points covered",
+            scene.faces.len(),
+            at.len() - open.len(),
+            at.len()
+        );
         assert!(off <= 1e-3 && open.len() > at.len() * 9 / 10, "{name}: {off}");
     }
 }
@@ -469,7 +478,8 @@ fn e08_flatland_circle() {
     let (_, mesh, exchange) = exchange(&Scene::from_segments("circle", &plain, vec![grey(0.5, 1.0)]).unwrap(), 720);
     assert_eq!(mesh.patches.len(), 720);
     for k in 0..4 {
-        let wave: Vec<f64> = (mesh.patches.iter()).map(|p| p.shape.centre()).map(|c| (f64::from(k) * c.y.atan2(c.x)).cos()).collect();
+        let wave: Vec<f64> =
+            (mesh.patches.iter()).map(|p| p.shape.centre()).map(|c| (f64::from(k) * c.y.atan2(c.x)).cos()).collect();
         let came = exchange.carry(&wave.iter().map(|&w| DVec3::splat(w)).collect::<Vec<_>>());
         let project = |v: &dyn Fn(usize) -> f64| (0..wave.len()).map(|i| wave[i] * v(i)).sum::<f64>();
         let got = project(&|i| came[i].x) / project(&|i| wave[i]);
@@ -565,9 +575,7 @@ fn e11_energy_balance() {
 
 #[test]
 fn e12_reciprocity() {
-    for (name, triangles) in
-        [("cube", cube([0; 6])), ("tetrahedron", shapes::tetrahedron()), ("spheres", spheres(2))]
-    {
+    for (name, triangles) in [("cube", cube([0; 6])), ("tetrahedron", shapes::tetrahedron()), ("spheres", spheres(2))] {
         let triangles = triangles.into_iter().map(|(t, _)| (t, 0)).collect();
         let g = Geometry::new(&scene(name, &triangles, vec![grey(0.5, 1.0)])).unwrap();
         let tiles = starts(&g, &vec![0.0; g.tiles as usize], 0.0);
@@ -641,7 +649,8 @@ fn e13_row_sums() {
         })
         .collect();
     let local = g.scale * g.scale;
-    let values: Vec<f64> = TwinEngine::new(&g).kernel(&pairs).unwrap().iter().map(|&k| (f64::from(k) * local).min(100.0)).collect();
+    let values: Vec<f64> =
+        TwinEngine::new(&g).kernel(&pairs).unwrap().iter().map(|&k| (f64::from(k) * local).min(100.0)).collect();
     let mean = values.iter().sum::<f64>() / f64::from(n);
     let error = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt() / f64::from(n);
     let want = known("E-G-CUBE") - loss;
@@ -706,7 +715,8 @@ fn e15_manufactured_cube() {
     // -x, +x, -y, +y, the floor, the ceiling.
     let b = [4.0, 4.0, 4.0, 4.0, 3.0, 5.0];
     let sides = shapes::sides([0.0; 3], [1.0; 3], [0, 1, 2, 3, 4, 5]);
-    let corners: Vec<[DVec3; 4]> = sides.iter().map(|s| [s[0].0[0], s[0].0[1], s[0].0[2], s[1].0[2]].map(DVec3::from_array)).collect();
+    let corners: Vec<[DVec3; 4]> =
+        sides.iter().map(|s| [s[0].0[0], s[0].0[1], s[0].0[2], s[1].0[2]].map(DVec3::from_array)).collect();
     let e = |side: usize, p: DVec3| {
         let [a, c, d, _] = corners[side];
         let normal = (c - a).cross(d - a).normalize();
@@ -744,7 +754,8 @@ fn e15_manufactured_cube() {
 #[test]
 fn e16_lit_square() {
     for (rho, id) in [(0.5, "0.5"), (0.9, "0.9")] {
-        let truth = |what: &str, side: usize| known(&format!("FL-SQ-LIT-{id}-{what}-{}", ["bottom", "side", "top", "side"][side]));
+        let truth =
+            |what: &str, side: usize| known(&format!("FL-SQ-LIT-{id}-{what}-{}", ["bottom", "side", "top", "side"][side]));
         let segments: Vec<_> = SQUARE.iter().enumerate().map(|(s, &c)| (c, u32::from(s > 0))).collect();
         let scene = Scene::from_segments("lit square", &segments, vec![grey(rho, 1.0), grey(rho, 0.0)]).unwrap();
         let at = points(&scene, 100, 1);
@@ -752,7 +763,12 @@ fn e16_lit_square() {
             let params = Params { method: Method::Fem, patches: 400, solver, ..smooth() };
             let (_, answers) = solved(&scene, &params, &at, 0.01);
             for side in 0..4 {
-                near(&format!("rho {rho}, {solver:?}, mean of side {side}"), mean(&at, &answers, |f| f == side), truth("mean", side), 1e-3);
+                near(
+                    &format!("rho {rho}, {solver:?}, mean of side {side}"),
+                    mean(&at, &answers, |f| f == side),
+                    truth("mean", side),
+                    1e-3,
+                );
                 let middle = 0.5 * (answers[100 * side + 49].b[0] + answers[100 * side + 50].b[0]);
                 // A patch's light is sampled once a pair: a single one scatters by some thousandths.
                 near(&format!("rho {rho}, {solver:?}, middle of side {side}"), middle, truth("mid", side), 5e-3);
@@ -767,7 +783,13 @@ fn lit_means(scene: &Scene, params: &Params, per_face: usize) -> [f64; 3] {
     let (_, answers) = solved(scene, params, &at, 0.02);
     let kind = |face: usize| {
         let n = at.iter().find(|a| a.face == face).map_or(0.0, |a| a.point.n[2]);
-        if n > 0.5 { 0 } else if n < -0.5 { 2 } else { 1 }
+        if n > 0.5 {
+            0
+        } else if n < -0.5 {
+            2
+        } else {
+            1
+        }
     };
     [0, 1, 2].map(|k| mean(&at, &answers, |f| kind(f) == k))
 }
@@ -789,7 +811,7 @@ fn e17_lit_cube() {
             Params { method: Method::Fem, patches: 864, gather_rays: 0, ..Params::default() },
             Params { rays: 262_144, gather_rays: 0, ..Params::default() },
         ] {
-            let got = lit_means(&scene, &params, 200);
+            let got = lit_means(&scene, &params, 400);
             for (side, (got, want)) in got.into_iter().zip(lit_truth(rho)).enumerate() {
                 near(&format!("rho {rho}, {:?}, {}", params.method, ["floor", "wall", "ceiling"][side]), got, want, 1e-3);
             }

@@ -164,9 +164,8 @@ fn g05_the_order_of_triangles_does_not_matter() {
     eprintln!("mean light {:.5} and {:.5}, {:.1} standard errors apart", mean(&totals[0]), mean(&totals[1]), apart / error);
     assert!(apart.abs() <= 5.0 * error, "{totals:?}");
     // Nor does any point scatter more: the mean squares of 5 seeds are known to 5 % over so many points.
-    let scatter = [&ours, &theirs].map(|all| {
-        (0..points.len()).map(|i| spread(&all.iter().map(|l| l[i]).collect::<Vec<_>>())).sum::<f64>()
-    });
+    let scatter =
+        [&ours, &theirs].map(|all| (0..points.len()).map(|i| spread(&all.iter().map(|l| l[i]).collect::<Vec<_>>())).sum::<f64>());
     let between = (0..points.len())
         .map(|i| [&ours, &theirs].map(|all| mean(&all.iter().map(|l| l[i]).collect::<Vec<_>>())))
         .map(|[a, b]| (a - b).powi(2))
