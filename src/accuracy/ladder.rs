@@ -2,7 +2,7 @@
 //! one before, and each a bake of its own: what comes out depends on the rung that it ended on and on nothing else.
 
 use crate::accuracy::estimate::median_region;
-use crate::bake::bake_from;
+use crate::bake::{Prepared, bake_prepared};
 use crate::checkpoint::Checkpoint;
 use crate::engine::Backend;
 use crate::error::{Error, Result};
@@ -40,8 +40,10 @@ pub struct Climb<'a> {
     pub solution: Option<Solution>,
     /// When the time began.
     pub begin: Instant,
-    /// Called with every solution on the way; what it returns is how long the read-out of such a one takes.
-    pub reached: &'a mut dyn FnMut(&Solution) -> Result<Duration>,
+    /// Called with every solution on the way.
+    pub reached: &'a mut dyn FnMut(&Solution) -> Result<()>,
+    /// How long the read-out of such a solution takes; asked where that decides whether to go on.
+    pub readout: &'a mut dyn FnMut(&Solution) -> Result<Duration>,
 }
 
 /// Bakes on larger and larger rungs ([`Params::rung`]) until the goal is reached. Whether it was, and what it took,
@@ -56,8 +58,9 @@ pub fn climb(
     climb: Climb,
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
-    let Climb { goal, checkpoint, solution, begin, reached } = climb;
+    let Climb { goal, checkpoint, solution, begin, reached, readout } = climb;
     let mut clock = Budget { goal, begin, compile: 0.0, readout: 0.0 };
+    let compiled = backend.compile_seconds();
     let mut rungs: Vec<RungReport> = Vec::new();
     let known = |p: &Params| (0..=Params::LAST_RUNG).find(|&n| params.rung(n) == *p);
     let mut best = solution;
@@ -72,11 +75,12 @@ pub fn climb(
         rung = Params::LAST_RUNG + 1;
     }
     let mut missed = None;
-    while rung <= Params::LAST_RUNG {
-        let start = Instant::now();
+    let prepared = if rung <= Params::LAST_RUNG { Some(Prepared::new(scene, params, progress)?) } else { None };
+    while let Some(prepared) = prepared.as_ref().filter(|_| rung <= Params::LAST_RUNG) {
+        let (start, before) = (Instant::now(), clock.compile);
         let limit = best.as_ref().and_then(|_| clock.end());
         let mut late = false;
-        let baked = bake_from(backend, scene, &params.rung(rung), checkpoint, &mut |event| {
+        let baked = bake_prepared(backend, prepared, &params.rung(rung), checkpoint, &mut |event| {
             late |= limit.is_some_and(|limit| Instant::now() > limit);
             if late { Flow::Stop } else { progress(event) }
         });
@@ -84,26 +88,34 @@ pub fn climb(
             Err(Error::Cancelled) if late => break,
             baked => baked?,
         };
-        clock.compile += solution.report().seconds.compile.unwrap_or(0.0);
+        clock.compile = backend.compile_seconds() - compiled;
         let estimate = solution.report().estimated_error.clone().unwrap_or_default();
         rungs.push(RungReport {
             rays: solution.report().params.rays,
-            seconds: start.elapsed().as_secs_f64(),
+            seconds: start.elapsed().as_secs_f64() - (clock.compile - before),
             rrmse: estimate.rrmse,
             low: estimate.low,
             high: estimate.high,
             parts: estimate.parts.clone(),
         });
-        clock.readout = reached(&solution)?.as_secs_f64();
+        reached(&solution)?;
         *checkpoint = checkpoint.next(&params.rung(rung), &params.rung(rung + 1));
-        best = Some(solution);
+        let solution = best.insert(solution);
         if goal.error.is_none() && goal.budget.is_none() || goal.error.is_some_and(|error| met(&estimate, error)) {
             break;
         }
         missed = goal.error.and_then(|error| unreachable(&rungs, error));
-        rung = match (&missed, clock.next(rung, &rungs)) {
-            (None, Some(next)) => next,
-            _ => break,
+        clock.readout = 0.0;
+        if missed.is_some() || clock.next(rung, &rungs).is_none() {
+            break;
+        }
+        if goal.budget.is_some() {
+            clock.readout = readout(solution)?.as_secs_f64();
+            clock.compile = backend.compile_seconds() - compiled;
+        }
+        rung = match clock.next(rung, &rungs) {
+            Some(next) => next,
+            None => break,
         };
     }
     let mut best = best.ok_or(Error::Cancelled)?;

@@ -29,7 +29,7 @@ use crate::twin::winner::Metric;
 const PILOT_RAYS: u32 = 65_536;
 /// Cells of the pilot network.
 const PILOT_CELLS: u32 = 512;
-/// Nodes of the pilot network.
+/// Nodes of the pilot network; of one with fewer rays fewer, as their root.
 const PILOT_NODES: usize = 400;
 /// The same in flatland.
 const PILOT_FLAT_NODES: usize = 100;
@@ -123,11 +123,10 @@ pub(super) fn account<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    let exact = params.direct == Direct::Exact;
     let seed = stream(params.seed, Stream::Emission);
     let light = &saved.network.light;
     let energy =
-        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, batches, progress))?;
+        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, params, light, batches, progress))?;
     saved.energy = Some(energy);
     saved.network.direct = Vec::new();
     clock.compile = Some(engine.compile_seconds());
@@ -146,17 +145,21 @@ fn pilot<E: Engine>(
     progress: &mut Progress,
 ) -> Result<Pilot> {
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
-    let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
+    // Few rays need no fine importance: what a whole neighbourhood of small tiles sends is looked up once.
+    let rays = pilot_rays(params);
+    let few = rays < PILOT_RAYS;
+    let looks = tiles::looks(geometry, if few { rays } else { geometry.tiles });
+    let places = tiles::places(geometry, &looks.tiles, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
     let direct = once(&mut saved.tiles, || {
-        // Few rays need no fine importance.
-        let rounds = if pilot_rays(params) < PILOT_RAYS { 1 } else { 2 };
-        clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))
+        let rounds = if few { 1 } else { 2 };
+        let found = clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))?;
+        Ok(looks.spread(&found))
     })?;
     let exact = params.direct == Direct::Exact;
-    let sent: Vec<[f64; 3]> = (0..places.len())
+    let sent: Vec<[f64; 3]> = (0..direct.len())
         .map(|t| {
-            let m = geometry.material_at(&places[t]);
+            let m = geometry.material_of(geometry.tile_tri[t] as usize);
             let d = direct[t].mean();
             [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
         })
@@ -164,10 +167,11 @@ fn pilot<E: Engine>(
     saved.keep(progress)?;
 
     let first: Vec<f64> = sent.iter().map(mean).collect();
+    let nodes = if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES };
     let stage = Stage {
-        rays: pilot_rays(params),
+        rays,
         cells: PILOT_CELLS,
-        nodes: if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES },
+        nodes: (nodes as f64 * (f64::from(rays) / f64::from(PILOT_RAYS)).sqrt()) as usize,
         tiles: tiles::starts(geometry, &first, params.alpha),
         brightness: first,
         density: vec![1.0; geometry.tiles as usize],
@@ -194,9 +198,10 @@ fn pilot<E: Engine>(
             engine.readout(&mut batch)?;
             h.extend(engine.irradiance(&batch)?);
         }
-        Ok((0..places.len())
+        let h = looks.spread(&h);
+        Ok((0..sent.len())
             .map(|t| {
-                let rho = geometry.material_at(&places[t]).rho;
+                let rho = geometry.material_of(geometry.tile_tri[t] as usize).rho;
                 mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[t][k]) as f64))
             })
             .collect())

@@ -76,30 +76,62 @@ pub fn bake_from(
     saved: &mut Checkpoint,
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
+    let prepared = Prepared::new(scene, params, progress)?;
+    bake_prepared(backend, &prepared, params, saved, progress)
+}
+
+/// A scene made ready: what bakes of all sizes share.
+pub(crate) struct Prepared<'a> {
+    scene: &'a Scene,
+    geometry: Geometry,
+    warnings: Vec<String>,
+    /// Seconds that it took.
+    seconds: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Makes a scene ready, and tells what is odd about it.
+    pub fn new(scene: &'a Scene, params: &Params, progress: &mut dyn FnMut(&Event) -> Flow) -> Result<Prepared<'a>> {
+        params.check()?;
+        let mut progress = Progress::new(progress);
+        progress.event(Event::Stage { name: "bvh" })?;
+        let start = Instant::now();
+        let geometry = Geometry::for_bake(scene, params)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let mut warnings = doctor::warnings(scene, &geometry);
+        if params.norm == Norm::Paper1997 {
+            warnings.push(PAPER_NORM.into());
+        }
+        for warning in &warnings {
+            progress.event(Event::Warning(warning.clone()))?;
+        }
+        Ok(Prepared { scene, geometry, warnings, seconds })
+    }
+}
+
+/// As [`bake_from`], of a scene that is ready.
+pub(crate) fn bake_prepared(
+    backend: &Backend,
+    prepared: &Prepared,
+    params: &Params,
+    saved: &mut Checkpoint,
+    progress: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<Solution> {
     params.check()?;
+    let Prepared { scene, geometry, warnings, seconds: bvh } = prepared;
     let mut progress = Progress::new(progress);
-    progress.event(Event::Stage { name: "bvh" })?;
     let start = Instant::now();
-    let geometry = Geometry::for_bake(scene, params)?;
-    let bvh = start.elapsed().as_secs_f64();
     let resumed = !saved.is_empty();
-    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
-    let mut warnings = doctor::warnings(scene, &geometry);
-    if params.norm == Norm::Paper1997 {
-        warnings.push(PAPER_NORM.into());
-    }
-    for warning in &warnings {
-        progress.event(Event::Warning(warning.clone()))?;
-    }
-    let mut clock = Clock::default();
+    saved.claim(Key::new(backend, scene, geometry, params), geometry)?;
+    let (mut clock, warnings) = (Clock::default(), warnings.clone());
     let mut solution = match backend {
         Backend::Cpu => {
-            let engine = &mut TwinEngine::new(&geometry);
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut TwinEngine::new(geometry);
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
         Backend::Gpu(gpu) => {
-            let engine = &mut GpuEngine::new(gpu, &geometry)?;
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut GpuEngine::new(gpu, geometry)?;
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
     };
 
@@ -108,13 +140,13 @@ pub fn bake_from(
     let report = solution.report_mut();
     report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
-    seconds.bvh = Some(bvh);
+    seconds.bvh = Some(*bvh);
     seconds.compile = clock.compile;
     seconds.train = (train > 0.0).then_some(train);
     seconds.coefficients = clock.get("coefficients");
     seconds.solve = clock.get("solve");
     seconds.direct = clock.get("direct");
-    seconds.total = Some(start.elapsed().as_secs_f64());
+    seconds.total = Some(bvh + start.elapsed().as_secs_f64());
     let net = &saved.network;
     let training = net.growth.as_ref().map(|g| g.training).unwrap_or_default();
     for (key, value) in [

@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Candidate, Node, Point};
+use crate::layout::{Candidate, NONE, Node, Point};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
 use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
@@ -157,7 +157,12 @@ pub fn place_nodes<E: Engine>(
     let all: Vec<usize> = (0..points.len()).collect();
     add_nodes(geometry, &mut surface, &points, &places, &all, count);
     progress.tick()?;
-    find_candidates(geometry, &mut surface);
+    // Until all nodes are there, only the training points' own tiles are asked of.
+    let mut asked = vec![false; geometry.tiles as usize];
+    for p in points.iter().filter(|p| p.tile != NONE) {
+        asked[p.tile as usize] = true;
+    }
+    list_candidates(geometry, &mut surface, |tile| asked[tile]);
     engine.set_surface(&surface)?;
 
     // Orphans get nodes of their own.
@@ -176,13 +181,14 @@ pub fn place_nodes<E: Engine>(
             break;
         }
         add_nodes(geometry, &mut surface, &points, &places, &orphans, more);
-        find_candidates(geometry, &mut surface);
+        list_candidates(geometry, &mut surface, |tile| asked[tile]);
         engine.set_surface(&surface)?;
     }
+    find_candidates(geometry, &mut surface);
     if mark {
         mark_free(geometry, &mut surface);
-        engine.set_surface(&surface)?;
     }
+    engine.set_surface(&surface)?;
     Ok(surface)
 }
 
@@ -213,6 +219,11 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
 
 /// Lists for every tile the nodes that can be among the nearest of any of its points.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
+    list_candidates(geometry, surface, |_| true);
+}
+
+/// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty.
+fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
     // Boxes a few node spacings wide hold all that most tiles need.
@@ -223,9 +234,15 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
+    // Tiles follow each other by place: most find the boxes around them where the one before had them.
+    type Around = (Option<(u32, [i32; 3])>, Vec<u32>);
     let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
         .into_par_iter()
-        .map(|tile| {
+        .with_min_len(256)
+        .map_init(Around::default, |(last, around), tile| {
+            if !asked(tile) {
+                return Vec::new();
+            }
             let t = geometry.tile_tri[tile];
             let tri = &geometry.tris[t as usize];
             let own = &by_material[tri.material as usize];
@@ -254,8 +271,12 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
                 (near, reach)
             };
             let [x, y, z] = box_of(centre);
-            let around = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
-            let (mut near, reach) = within_reach(around.flatten().filter_map(measure).collect());
+            let here = Some((tri.material, [x, y, z]));
+            if *last != here {
+                let boxes = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
+                (*last, *around) = (here, boxes.flatten().copied().collect());
+            }
+            let (mut near, reach) = within_reach(around.iter().filter_map(measure).collect());
             if reach > 0.999 * width {
                 near = within_reach(own.iter().filter_map(measure).collect()).0;
             }

@@ -19,13 +19,54 @@ pub fn mean(x: &[f64; 3]) -> f64 {
     (x[0] + x[1] + x[2]) / 3.0
 }
 
-/// A random point of every tile.
-pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
-    let place = |t| {
+/// A random point of each of the tiles.
+pub fn places(geometry: &Geometry, tiles: &[u32], seed: u32) -> Vec<Point> {
+    let place = |&t| {
         let u = sobol4(t, seed);
         place_of_tile(geometry, t, unit(u[0]), unit(u[1]))
     };
-    (0..geometry.tiles).map(place).collect()
+    tiles.iter().map(place).collect()
+}
+
+/// Which tiles are looked at, and who speaks for the others.
+pub struct Looks {
+    /// The tiles that are looked at.
+    pub tiles: Vec<u32>,
+    /// For each tile the place in `tiles` of the one that speaks for it.
+    pub of: Vec<u32>,
+}
+
+impl Looks {
+    /// What each tile is told, from what was found at those that were looked at.
+    pub fn spread<T: Copy>(&self, found: &[T]) -> Vec<T> {
+        self.of.iter().map(|&i| found[i as usize]).collect()
+    }
+}
+
+/// Every tile by itself; where there are more of them than `looks`, one for all of a material that face about one way and
+/// lie in a box as wide as so many looks lie apart.
+pub fn looks(geometry: &Geometry, looks: u32) -> Looks {
+    if looks >= geometry.tiles {
+        return Looks { tiles: (0..geometry.tiles).collect(), of: (0..geometry.tiles).collect() };
+    }
+    let width = geometry.spacing(looks as usize);
+    let key = |t: u32| {
+        let tri = &geometry.tris[geometry.tile_tri[t as usize] as usize];
+        let axis = (0..3).fold(0, |a, k| if tri.normal[k].abs() > tri.normal[a].abs() { k } else { a });
+        let c = tile_corners(geometry, t);
+        let at = ((c[0] + c[1] + c[2]) / 3.0).to_array().map(|x| (f64::from(x) / width).floor() as i32);
+        (tri.material, axis, tri.normal[axis] < 0.0, at)
+    };
+    let mut first = HashMap::new();
+    let mut tiles = Vec::new();
+    let of = (0..geometry.tiles).map(|t| {
+        *first.entry(key(t)).or_insert_with(|| {
+            tiles.push(t);
+            tiles.len() as u32 - 1
+        })
+    });
+    let of = of.collect();
+    Looks { tiles, of }
 }
 
 /// `count` points drawn by start densities.
@@ -43,7 +84,7 @@ fn place_of_tile(geometry: &Geometry, tile: u32, u: f32, v: f32) -> Point {
     Point { tile, kind: kind::FRONT, ..place_on_tile(geometry, tile, u, v) }
 }
 
-/// A first estimate of direct light at every tile's point.
+/// A first estimate of direct light at some tiles' points.
 pub fn direct<E: Engine>(
     engine: &mut E,
     places: &[Point],
