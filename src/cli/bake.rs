@@ -189,6 +189,10 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         let report = solution.report_mut();
         fill(report);
         report.seconds.readout = Some(readout.as_secs_f64());
+        if report.target.as_ref().is_some_and(|target| target.rungs.is_empty()) {
+            // Nothing was baked: what the bake took was told then.
+            kept::recall(report, &dir.join("report.json"));
+        }
         report::write(&dir.join("report.json"), report)?;
         wrote("report.json", "");
         kept.done()?;

@@ -371,3 +371,29 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Flow;
+    use crate::scene::{Material, Scene, shapes};
+    use crate::twin::TwinEngine;
+
+    #[test]
+    fn a_surface_is_the_same_placed_or_read() {
+        // A block on the floor: orphans beside it, tiles that no training point lies in.
+        let room = shapes::room([0.0; 3], [1.0; 3], [0; 6]);
+        let solid = [room, shapes::block([0.4, 0.0, 0.4], [0.5, 0.02, 0.5], 0)].concat();
+        let materials = vec![Material::new("grey", [0.5; 3], [0.0; 3])];
+        let geometry = Geometry::new(&Scene::from_triangles("room", &solid, materials).unwrap()).unwrap();
+        let density = vec![1.0; geometry.tiles as usize];
+        for mark in [false, true] {
+            let quiet = &mut |_: &_| Flow::Continue;
+            let engine = &mut TwinEngine::new(&geometry);
+            let placed = place_nodes(engine, &geometry, &density, 60, 0.3, 5, mark, &mut Progress::new(quiet)).unwrap();
+            let read = surface_of(&geometry, placed.nodes.clone(), 0.3, mark);
+            assert!(placed.offsets == read.offsets && placed.candidates == read.candidates);
+            assert!(placed.offsets.windows(2).all(|w| w[0] < w[1]), "a tile without candidates");
+        }
+    }
+}

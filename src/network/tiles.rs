@@ -174,3 +174,28 @@ pub fn node_density<E: Engine>(
     let average = live / geometry.area;
     Ok(sharp.iter().map(|s| 0.2 + 0.8 * if average > 0.0 { (s / average).min(30.0) } else { 1.0 }).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Scene, shapes};
+
+    #[test]
+    fn a_look_speaks_for_tiles_like_its_own() {
+        let room = shapes::room([0.0; 3], [1.0; 3], [0, 1, 0, 1, 0, 1]);
+        let materials = vec![Material::new("a", [0.5; 3], [0.0; 3]), Material::new("b", [0.2; 3], [1.0; 3])];
+        let geometry = Geometry::new(&Scene::from_triangles("room", &shapes::cut(&room, 8), materials).unwrap()).unwrap();
+        let own = looks(&geometry, geometry.tiles);
+        assert!(own.tiles == own.of && own.tiles.len() == geometry.tiles as usize);
+        let some = looks(&geometry, 1_000);
+        // A box may cut a wall's share in two, or in four.
+        assert!((500..4_000).contains(&some.tiles.len()), "{} of {}", some.tiles.len(), geometry.tiles);
+        let width = geometry.spacing(1_000) as f32;
+        for (t, look) in some.spread(&some.tiles).into_iter().enumerate() {
+            let [a, b] = [t, look as usize].map(|t| &geometry.tris[geometry.tile_tri[t] as usize]);
+            assert!(a.material == b.material && a.normal == b.normal, "{t} {look}");
+            let [a, b] = [t as u32, look].map(|t| tile_corners(&geometry, t).into_iter().sum::<glam::Vec3>() / 3.0);
+            assert!((a - b).abs().max_element() <= width, "{t} {look}");
+        }
+    }
+}
