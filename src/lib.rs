@@ -45,6 +45,7 @@ pub mod checkpoint;
 pub mod cli;
 mod disjoint;
 pub mod doctor;
+pub mod effects;
 pub mod engine;
 pub mod error;
 pub mod gpu;

@@ -71,6 +71,10 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
+    if params.direct == Direct::Exact && !geometry.reflects() {
+        // All light is direct, and the read-out finds it: there is nothing to train on.
+        return account(engine, geometry, params, &mut [], saved, clock, progress);
+    }
     let stage = full(engine, scene, geometry, params, saved, clock, progress)?;
     let mut batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
     account(engine, geometry, params, &mut batches, saved, clock, progress)
@@ -131,6 +135,7 @@ pub(super) fn account<E: Engine>(
     saved.network.direct = Vec::new();
     clock.compile = Some(engine.compile_seconds());
     clock.device_bytes = Some(engine.device_bytes());
+    clock.shadow_rays = Some(engine.shadow_rays());
     saved.keep(progress)
 }
 

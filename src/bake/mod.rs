@@ -10,8 +10,10 @@ mod rays;
 use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
+use crate::effects;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
+use crate::output::report::EffectReport;
 use crate::params::{Method, Mode, Norm, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
@@ -32,6 +34,7 @@ pub(crate) struct Clock {
     pub seconds: BTreeMap<&'static str, f64>,
     pub compile: Option<f64>,
     pub device_bytes: Option<u64>,
+    pub shadow_rays: Option<u64>,
 }
 
 impl Clock {
@@ -85,6 +88,7 @@ pub(crate) struct Prepared<'a> {
     scene: &'a Scene,
     geometry: Geometry,
     warnings: Vec<String>,
+    effects: Vec<EffectReport>,
     /// Seconds that it took.
     seconds: f64,
 }
@@ -105,7 +109,8 @@ impl<'a> Prepared<'a> {
         for warning in &warnings {
             progress.event(Event::Warning(warning.clone()))?;
         }
-        Ok(Prepared { scene, geometry, warnings, seconds })
+        let effects = effects::of(scene, &geometry);
+        Ok(Prepared { scene, geometry, warnings, effects, seconds })
     }
 }
 
@@ -118,7 +123,7 @@ pub(crate) fn bake_prepared(
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
     params.check()?;
-    let Prepared { scene, geometry, warnings, seconds: bvh } = prepared;
+    let Prepared { scene, geometry, warnings, effects, seconds: bvh } = prepared;
     let mut progress = Progress::new(progress);
     let start = Instant::now();
     let resumed = !saved.is_empty();
@@ -138,6 +143,7 @@ pub(crate) fn bake_prepared(
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
+    report.effects = Some(effects.clone());
     report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
     seconds.bvh = Some(*bvh);
@@ -157,6 +163,7 @@ pub(crate) fn bake_prepared(
         ("dropped_coefficient_mass", serde_json::json!(net.coefficients.as_ref().map(|c| c.dropped))),
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
+        ("shadow_rays", serde_json::json!(clock.shadow_rays)),
         ("stages", serde_json::json!(clock.seconds)),
         ("learned", serde_json::json!(saved.learned)),
         // Times are then those since the bake went on.

@@ -6,6 +6,7 @@ mod completions;
 mod console;
 mod doctor;
 mod exit;
+mod explain;
 mod flags;
 mod log;
 mod man;
@@ -70,6 +71,7 @@ fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
         Command::Sweep(flags) => return sweep::run(flags, console),
         Command::Paper(flags) => return paper::run(flags, console),
         Command::Doctor(flags) => doctor::run(flags),
+        Command::Explain(flags) => explain::run(flags),
         Command::Adapters(flags) => adapters::run(flags),
         Command::Man(flags) => man::run(flags, console),
         Command::Completions(flags) => completions::run(flags),

@@ -25,7 +25,7 @@ pub use engine::GpuEngine;
 use crate::error::{Error, Result};
 use crate::gpu::{Constants, Gpu, GpuVec, Kernel, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::{Geometry, Scene};
+use crate::scene::{Geometry, Obstacle, Scene, obstacle};
 use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
 
@@ -48,14 +48,19 @@ const KERNELS: &[Kernel] = &[
 /// Those that look at surfaces, each once for every space.
 const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit::PROBE, shoot::KERNEL];
 
-/// What sets the shaders to a space.
-fn constants(flatland: bool) -> Constants {
-    if flatland { &[("FLATLAND", 1)] } else { &[] }
+/// What sets the shaders to a space, and leaves out shadow rays where nothing can occlude.
+fn constants(flatland: bool, occludes: bool) -> Constants {
+    match (flatland, occludes) {
+        (false, true) => &[],
+        (true, true) => &[("FLATLAND", 1)],
+        (false, false) => &[("OCCLUSION", 0)],
+        (true, false) => &[("FLATLAND", 1), ("OCCLUSION", 0)],
+    }
 }
 
 /// The kernels that bakes and read-outs of a scene use.
 pub(crate) fn kernels(scene: &Scene) -> Vec<Kernel> {
-    let constants = constants(scene.is_flatland());
+    let constants = constants(scene.is_flatland(), obstacle(scene) != Obstacle::None);
     KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants))).collect()
 }
 
@@ -108,7 +113,7 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
-            constants: constants(geometry.flatland),
+            constants: constants(geometry.flatland, geometry.occludes),
         })
     }
 

@@ -1,7 +1,7 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::{Scene, cumulative};
+use super::{Obstacle, Scene, cumulative, obstacle};
 use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
@@ -26,6 +26,8 @@ const MAX_FLAT_SPLIT: u32 = MAX_SPLIT * MAX_SPLIT;
 pub struct Geometry {
     /// Whether the scene lies in flatland; every pass asks here.
     pub flatland: bool,
+    /// Whether anything may stand between two points that face each other; where nothing can, no shadow ray is cast.
+    pub occludes: bool,
     /// Share of the light that arrives ([`crate::params::Norm`]); the reflectances in `materials` are multiplied by
     /// it, so that no pass need know.
     pub arrives: f64,
@@ -256,6 +258,7 @@ impl Geometry {
         let lit = area.max(1e-3 * total);
         Ok(Geometry {
             flatland,
+            occludes: obstacle(scene) != Obstacle::None,
             arrives: 1.0,
             center,
             scale,
@@ -294,6 +297,12 @@ impl Geometry {
     pub fn is_live(&self, tri: usize) -> bool {
         let m = self.material_of(tri);
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
+    }
+
+    /// Whether anything reflects light, and there is some: where not, all light is direct.
+    pub fn reflects(&self) -> bool {
+        let rho = |t: usize| self.material_of(t).rho;
+        !self.emitters.is_empty() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])
     }
 
     /// Of which materials errors are measured: those that reflect and do not shine, whose light is found and not given.

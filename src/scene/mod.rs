@@ -1,5 +1,6 @@
 //! What is to be lit: triangles, materials, and their preparation for the passes. No wgpu here.
 
+mod convex;
 mod distribution;
 mod extruded;
 mod geometry;
@@ -17,6 +18,7 @@ mod toml;
 mod transform;
 mod unread;
 
+pub(crate) use convex::{Obstacle, obstacle};
 #[doc(hidden)]
 pub use distribution::cumulative;
 pub(crate) use extruded::wall;

@@ -176,6 +176,9 @@ impl Solution {
             shade(engine, params, s.spacing(), points, progress)
         }
         let mut progress = Progress::new(tell);
+        // Where nothing reflects there is nothing to gather.
+        let dark = Params { gather_rays: 0, ..params.clone() };
+        let params = if self.geometry.reflects() { params } else { &dark };
         match backend {
             Backend::Cpu => on(self, &mut TwinEngine::new(&self.geometry), params, points, &mut progress),
             Backend::Gpu(gpu) => on(self, &mut GpuEngine::new(gpu, &self.geometry)?, params, points, &mut progress),
