@@ -51,7 +51,7 @@ mod tests {
     use crate::scene::{Material, shapes};
 
     fn found(triangles: &shapes::Triangles) -> Obstacle {
-        obstacle(&Scene::from_triangles("scene", triangles, vec![Material::new("grey", [0.5; 3], [0.0; 3])]).unwrap())
+        obstacle(&Scene::from_triangles("scene", triangles, vec![Material::new("grey", [0.5; 3], [0.0; 3]); 4]).unwrap())
     }
 
     #[test]
