@@ -29,10 +29,14 @@ use crate::twin::winner::Metric;
 const PILOT_RAYS: u32 = 65_536;
 /// Cells of the pilot network.
 const PILOT_CELLS: u32 = 512;
-/// Nodes of the pilot network; of one with fewer rays fewer, as their root.
+/// Nodes of the pilot network; of one of few rays half as many.
 const PILOT_NODES: usize = 400;
 /// The same in flatland.
 const PILOT_FLAT_NODES: usize = 100;
+/// What few rays are.
+const FEW_RAYS: u32 = 16_384;
+/// Tiles that are looked at before any light is known, for each ray of a small pilot.
+const LOOKS: u32 = 4;
 /// Most rays in a batch.
 pub const BATCH: u32 = 65_536;
 /// Features that cells start from.
@@ -153,7 +157,7 @@ fn pilot<E: Engine>(
     // Few rays need no fine importance: what a whole neighbourhood of small tiles sends is looked up once.
     let rays = pilot_rays(params);
     let few = rays < PILOT_RAYS;
-    let looks = tiles::looks(geometry, if few { rays } else { geometry.tiles });
+    let looks = tiles::looks(geometry, if few { LOOKS * rays } else { geometry.tiles });
     let places = tiles::places(geometry, &looks.tiles, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
     let direct = once(&mut saved.tiles, || {
@@ -176,7 +180,7 @@ fn pilot<E: Engine>(
     let stage = Stage {
         rays,
         cells: PILOT_CELLS,
-        nodes: (nodes as f64 * (f64::from(rays) / f64::from(PILOT_RAYS)).sqrt()) as usize,
+        nodes: if rays < FEW_RAYS { nodes / 2 } else { nodes },
         tiles: tiles::starts(geometry, &first, params.alpha),
         brightness: first,
         density: vec![1.0; geometry.tiles as usize],
