@@ -12,7 +12,8 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeSource, Tile};
 use crate::network::growth::Growth;
-use crate::network::{nodes, tiles, tiles::mean};
+use crate::network::nodes;
+use crate::network::tiles::{self, Looks, mean};
 use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::components::{Components, Splitter};
@@ -155,21 +156,20 @@ fn pilot<E: Engine>(
 ) -> Result<Pilot> {
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
     // Few rays need no fine importance: what a whole neighbourhood of small tiles sends is looked up once.
-    let rays = pilot_rays(params);
+    let rays = pilot_rays(params.rays);
     let few = rays < PILOT_RAYS;
-    let looks = tiles::looks(geometry, if few { LOOKS * rays } else { geometry.tiles });
-    let places = tiles::places(geometry, &looks.tiles, stream(params.seed, Stream::TilePlace));
+    let looks = looks(geometry, rays);
+    let places = tiles::places_of(geometry, &looks.tiles, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
     let direct = once(&mut saved.tiles, || {
         let rounds = if few { 1 } else { 2 };
-        let found = clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))?;
-        Ok(looks.spread(&found))
+        clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))
     })?;
     let exact = params.direct == Direct::Exact;
-    let sent: Vec<[f64; 3]> = (0..direct.len())
+    let sent: Vec<[f64; 3]> = (0..geometry.tiles as usize)
         .map(|t| {
             let m = geometry.material_of(geometry.tile_tri[t] as usize);
-            let d = direct[t].mean();
+            let d = direct[looks.of[t] as usize].mean();
             [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
         })
         .collect();
@@ -207,11 +207,10 @@ fn pilot<E: Engine>(
             engine.readout(&mut batch)?;
             h.extend(engine.irradiance(&batch)?);
         }
-        let h = looks.spread(&h);
         Ok((0..sent.len())
             .map(|t| {
                 let rho = geometry.material_of(geometry.tile_tri[t] as usize).rho;
-                mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[t][k]) as f64))
+                mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[looks.of[t] as usize][k]) as f64))
             })
             .collect())
     })?;
@@ -438,8 +437,13 @@ pub(crate) fn batch_rays(rays: u32) -> u32 {
 }
 
 /// Rays of a bake's pilot.
-pub(crate) fn pilot_rays(params: &Params) -> u32 {
-    PILOT_RAYS.min(params.rays)
+pub(crate) fn pilot_rays(rays: u32) -> u32 {
+    PILOT_RAYS.min(rays)
+}
+
+/// The tiles that a pilot of so many rays looks at before any light is known.
+pub(crate) fn looks(geometry: &Geometry, rays: u32) -> Looks {
+    tiles::looks(geometry, if rays < PILOT_RAYS { LOOKS * rays } else { geometry.tiles })
 }
 
 /// What brings the weight of all rays together to 1 at most: they weigh 2 A / (1 - alpha).

@@ -1,5 +1,6 @@
 //! The surface network: nodes on live surface points, and each tile's candidates (design §1, step 4).
 
+use super::groups;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{Candidate, NONE, Node, Point};
@@ -217,13 +218,28 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
     }
 }
 
-/// Lists for every tile the nodes that can be among the nearest of any of its points.
+/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     list_candidates(geometry, surface, |_| true);
 }
 
-/// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty.
+/// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty, where they have their own.
 fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
+    surface.groups = geometry.groups.clone();
+    let rows = match &surface.groups {
+        Some(groups) => groups::candidates(geometry, surface, groups),
+        None => candidates_of_tiles(geometry, surface, asked),
+    };
+    surface.offsets = vec![0];
+    surface.candidates.clear();
+    for row in rows {
+        surface.candidates.extend(row);
+        surface.offsets.push(surface.candidates.len() as u32);
+    }
+}
+
+/// The lists of [`list_candidates`], one each tile.
+fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(usize) -> bool + Sync) -> Vec<Vec<Candidate>> {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
     // Boxes a few node spacings wide hold all that most tiles need.
@@ -236,7 +252,7 @@ fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(us
     }
     // Tiles follow each other by place: most find the boxes around them where the one before had them.
     type Around = (Option<(u32, [i32; 3])>, Vec<u32>);
-    let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
+    (0..geometry.tiles as usize)
         .into_par_iter()
         .with_min_len(256)
         .map_init(Around::default, |(last, around), tile| {
@@ -284,18 +300,12 @@ fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(us
 
             near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
         })
-        .collect();
-    surface.offsets = vec![0];
-    surface.candidates.clear();
-    for row in rows {
-        surface.candidates.extend(row);
-        surface.offsets.push(surface.candidates.len() as u32);
-    }
+        .collect()
 }
 
-/// Whether so many rays save more by marks than finding them takes.
+/// Whether so many rays save more by marks than finding them takes. Lists that tiles share have none.
 pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
-    rays >= geometry.tiles
+    rays >= geometry.tiles && geometry.groups.is_none()
 }
 
 /// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its

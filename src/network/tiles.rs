@@ -3,13 +3,13 @@
 use super::nodes::{place_on_tile, tile_corners};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::hash::NumberMap;
 use crate::layout::{DirectSum, Point, Tile, kind};
 use crate::progress::Progress;
 use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::{invert_cdf, seed_of, unit};
 use crate::twin::sobol::sobol4;
-use std::collections::HashMap;
 
 /// Points in flight.
 const BATCH: usize = 65_536;
@@ -19,8 +19,13 @@ pub fn mean(x: &[f64; 3]) -> f64 {
     (x[0] + x[1] + x[2]) / 3.0
 }
 
-/// A random point of each of the tiles.
-pub fn places(geometry: &Geometry, tiles: &[u32], seed: u32) -> Vec<Point> {
+/// A random point of every tile; where tiles are in groups, of one tile each group.
+pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
+    places_of(geometry, &looks(geometry, geometry.tiles).tiles, seed)
+}
+
+/// A random point of each of some tiles.
+pub fn places_of(geometry: &Geometry, tiles: &[u32], seed: u32) -> Vec<Point> {
     let place = |&t| {
         let u = sobol4(t, seed);
         place_of_tile(geometry, t, unit(u[0]), unit(u[1]))
@@ -36,18 +41,15 @@ pub struct Looks {
     pub of: Vec<u32>,
 }
 
-impl Looks {
-    /// What each tile is told, from what was found at those that were looked at.
-    pub fn spread<T: Copy>(&self, found: &[T]) -> Vec<T> {
-        self.of.iter().map(|&i| found[i as usize]).collect()
-    }
-}
-
-/// Every tile by itself; where there are more of them than `looks`, one for all of a material that face about one way and
+/// Every tile, or group of them, by itself; where there are more than `looks`, one for all of a material that face about one way and
 /// lie in a box as wide as so many looks lie apart.
 pub fn looks(geometry: &Geometry, looks: u32) -> Looks {
-    if looks >= geometry.tiles {
-        return Looks { tiles: (0..geometry.tiles).collect(), of: (0..geometry.tiles).collect() };
+    let own = geometry.groups.as_ref().map_or(geometry.tiles as usize, |groups| groups.len());
+    if looks as usize >= own {
+        return match &geometry.groups {
+            None => Looks { tiles: (0..geometry.tiles).collect(), of: (0..geometry.tiles).collect() },
+            Some(groups) => Looks { tiles: groups.tiles(), of: groups.of_tile.clone() },
+        };
     }
     let width = geometry.spacing(looks as usize);
     let key = |t: u32| {
@@ -57,7 +59,7 @@ pub fn looks(geometry: &Geometry, looks: u32) -> Looks {
         let at = ((c[0] + c[1] + c[2]) / 3.0).to_array().map(|x| (f64::from(x) / width).floor() as i32);
         (tri.material, axis, tri.normal[axis] < 0.0, at)
     };
-    let mut first = HashMap::new();
+    let mut first = NumberMap::default();
     let mut tiles = Vec::new();
     let of = (0..geometry.tiles).map(|t| {
         *first.entry(key(t)).or_insert_with(|| {
@@ -152,7 +154,7 @@ pub fn node_density<E: Engine>(
 
     // Average over the tiles of one piece that share a box three tiles wide.
     let width = 3.0 * geometry.spacing(TILES as usize);
-    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
+    let mut bins: NumberMap<[i64; 4], (f64, f64)> = NumberMap::default();
     let key = |t: usize| {
         let c = tile_corners(geometry, t as u32);
         let c = (c[0] + c[1] + c[2]) / 3.0;
@@ -191,8 +193,8 @@ mod tests {
         // A box may cut a wall's share in two, or in four.
         assert!((500..4_000).contains(&some.tiles.len()), "{} of {}", some.tiles.len(), geometry.tiles);
         let width = geometry.spacing(1_000) as f32;
-        for (t, look) in some.spread(&some.tiles).into_iter().enumerate() {
-            let [a, b] = [t, look as usize].map(|t| &geometry.tris[geometry.tile_tri[t] as usize]);
+        for (t, look) in some.of.iter().map(|&i| some.tiles[i as usize]).enumerate() {
+            let [a, b] = [t as u32, look].map(|t| &geometry.tris[geometry.tile_tri[t as usize] as usize]);
             assert!(a.material == b.material && a.normal == b.normal, "{t} {look}");
             let [a, b] = [t as u32, look].map(|t| tile_corners(&geometry, t).into_iter().sum::<glam::Vec3>() / 3.0);
             assert!((a - b).abs().max_element() <= width, "{t} {look}");
