@@ -47,13 +47,18 @@ impl Checkpoint {
                 report.coefficients = c.stored;
                 report.kernel_evaluations = c.evaluations;
                 report.solver = SolverReport {
-                    method: word(&params.solver),
+                    method: format!("{}{}", word(&params.solver), if solved.accelerated { "+gmres" } else { "" }),
                     sweeps: solved.sweeps as u64,
                     residual: Some(solved.residual),
                     // A series that is broken off has no fixed point.
                     error_bound: params.bounces.is_none().then_some(solved.error_bound),
                 };
                 (nodes.clone(), light.clone(), cells(growth, &self.learned), c.system.clone())
+            }
+            // Nothing reflects: there was nothing to solve.
+            (_, None) if self.is_whole() => {
+                report.solver.method = "none".into();
+                (Vec::new(), Vec::new(), Vec::new(), unread(&[]))
             }
             (_, Some(pilot)) => (pilot.nodes.clone(), pilot.light.clone(), Vec::new(), unread(&pilot.nodes)),
             _ => (Vec::new(), Vec::new(), Vec::new(), unread(&[])),

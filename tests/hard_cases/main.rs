@@ -4,10 +4,12 @@
 mod catalogue;
 #[path = "../common/mod.rs"]
 mod common;
+mod faults;
 mod geometry;
 mod gpu;
 mod input;
 mod network;
+mod paging;
 mod scale;
 mod solutions;
 mod sums;
