@@ -109,7 +109,7 @@ pub(crate) fn bake_prepared(
     for warning in &warnings {
         progress.event(Event::Warning(warning.clone()))?;
     }
-    let effects = effects::of(scene, &geometry);
+    let effects = effects::of(scene, geometry);
     let mut clock = Clock::default();
     let mut solution = match backend {
         Backend::Cpu => {

@@ -51,7 +51,7 @@ pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
     route: Route,
-    kernels: Mutex<HashMap<(&'static str, Constants, bool), Arc<Pipeline>>>,
+    kernels: Mutex<HashMap<kernel::Key, Arc<Pipeline>>>,
     times: Times,
     paces: Paces,
     /// A flag a kernel, raised where a loop did not come to its end.
