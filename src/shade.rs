@@ -23,6 +23,8 @@ const SMALL_ROUND: Samples = Samples { emitter: 6, cosine: 2 };
 const FEW_SAMPLES: u32 = 1_024;
 /// Rounds before the error of direct light is looked at.
 const FIRST_ROUNDS: u32 = 8;
+/// Samples that have to miss every emitter before a point is taken to see none.
+const DARK_SAMPLES: u32 = 256;
 /// Most rays of direct light between two moments at which the caller may stop.
 const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
@@ -113,7 +115,9 @@ fn shade_chunk<E: Engine>(
     let mut shades: Vec<Shade> = Vec::new();
     for i in 0..points.len() {
         let irradiance = [0, 1, 2].map(|k| if covered[i] { 0.0 } else { direct[i][k] + network[i][k] as f64 });
-        if gathers && !covered[i] && wants_gather(params, spacing, near[i].nearness, &psi[i]) {
+        // All dark, and not covered: planes through the nodes around may have gone below 0 there.
+        let lost = direct[i] == [0.0; 3] && network[i][..3] == [0.0; 3];
+        if gathers && !covered[i] && (lost || wants_gather(params, spacing, near[i].nearness, &psi[i])) {
             wanted.push(i);
         }
         shades.push(Shade { direct: direct[i], irradiance, covered: covered[i] });
@@ -295,7 +299,9 @@ fn sample_direct<E: Engine>(
         active.retain(|&i| {
             let (s, h) = (&sums[i as usize], &network[i as usize]);
             let light = s.mean().iter().sum::<f32>() / 3.0 + (h[0] + h[1] + h[2]) / 3.0;
-            s.standard_error() > params.direct_tolerance as f32 * light
+            // Where all samples missed they do not scatter, and a small lamp close by is missed by a few.
+            let unsure = s.sum == [0.0; 3] && done * rays < DARK_SAMPLES;
+            unsure || s.standard_error() > params.direct_tolerance as f32 * light
         });
         if active.is_empty() {
             return Ok(sums);

@@ -1,7 +1,7 @@
 //! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
 
 use super::console::Console;
-use super::{adapters, bake, completions, doctor, explain, man, paper, query, render, sweep};
+use super::{adapters, bake, completions, doctor, explain, man, paper, query, render, selftest, sweep};
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
@@ -35,7 +35,7 @@ Examples:
       All flags of a command, with examples; -h is the short of it.";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 doctor found something, or a target was missed; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
+Exit codes: 0 done; 1 doctor found something, a target was missed, or a case of the self-test; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
 wgpu's own variables (WGPU_BACKEND, WGPU_ADAPTER_NAME, ...) are honoured; flags win.";
 
 /// What was built in: a bug report needs it.
@@ -94,6 +94,8 @@ pub enum Command {
     Doctor(doctor::Flags),
     /// Say which effects a scene calls for, and why.
     Explain(explain::Flags),
+    /// Whether this machine's driver computes what is known: closed forms beside what it finds.
+    Selftest(selftest::Flags),
     /// List what raycell can run on, and with which limits.
     Adapters(adapters::Flags),
     /// Manual pages: the main one to stdout, or all of them into a folder.

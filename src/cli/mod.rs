@@ -13,6 +13,7 @@ mod man;
 mod paper;
 mod query;
 mod render;
+mod selftest;
 mod shared;
 mod sweep;
 
@@ -72,6 +73,7 @@ fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
         Command::Paper(flags) => return paper::run(flags, console),
         Command::Doctor(flags) => doctor::run(flags),
         Command::Explain(flags) => explain::run(flags),
+        Command::Selftest(flags) => selftest::run(flags, console),
         Command::Adapters(flags) => adapters::run(flags),
         Command::Man(flags) => man::run(flags, console),
         Command::Completions(flags) => completions::run(flags),

@@ -94,7 +94,7 @@ impl Job {
     fn encode_slot(&self, slots: &Slots, slot: usize, items: u32, pass: &mut wgpu::ComputePass) {
         pass.set_pipeline(&self.pipeline.pipeline);
         pass.set_bind_group(0, &slots.bind_group, &[slot as u32 * slots.stride]);
-        pass.dispatch_workgroups(items.div_ceil(WORKGROUP), 1, 1);
+        pass.dispatch_workgroups(items.div_ceil(self.pipeline.group), 1, 1);
     }
 
     /// Records dispatch `step` of the job.
@@ -156,7 +156,8 @@ impl Gpu {
     fn bind(&self, kernel: &Kernel, params: Vec<u8>, buffers: Vec<Bound>, items: u32, chunk: u32) -> Result<Arc<Job>> {
         let pipeline = self.pipeline(kernel)?;
         let share = 1.0 / f64::from(chunk.max(1));
-        let chunk = (chunk - chunk % WORKGROUP).clamp(WORKGROUP, MAX_CHUNK);
+        let most = MAX_CHUNK / WORKGROUP * self.group.min(WORKGROUP);
+        let chunk = (chunk - chunk % WORKGROUP).clamp(WORKGROUP, most);
         // One more slot stays empty: a dispatch of no items, for the driver's compiler.
         let mut ranges = Job::ranges(items, chunk);
         ranges.push(0..0);

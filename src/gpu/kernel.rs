@@ -5,8 +5,10 @@ use crate::error::{Error, Result};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// Invocations in a workgroup, in every kernel.
+/// Invocations in a workgroup, in every kernel, unless [`Gpu::with_group`] says otherwise.
 pub const WORKGROUP: u32 = 64;
+/// As it stands in the kernels' text.
+const AS_WRITTEN: &str = "@workgroup_size(64)";
 
 /// How a kernel uses a storage buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +64,8 @@ impl Kernel {
 pub struct Pipeline {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
+    /// Invocations in a workgroup.
+    pub(super) group: u32,
     /// Seconds to make the pipeline.
     pub seconds: f64,
     /// Seconds of the first, empty dispatch: drivers put most of their compiling off until then.
@@ -96,7 +100,10 @@ impl Gpu {
         let start = Instant::now();
         let device = &self.device;
         let label = format!("raycell.{}", kernel.name);
-        let composed = wgsl::compose(kernel.name, kernel.paged);
+        let mut composed = wgsl::compose(kernel.name, kernel.paged);
+        if self.group != WORKGROUP {
+            composed.source = composed.source.replace(AS_WRITTEN, &format!("@workgroup_size({})", self.group));
+        }
         let stage = || format!("compiling {}", kernel.name);
         let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, value.into())).collect();
 
@@ -147,7 +154,7 @@ impl Gpu {
                 },
                 cache: None,
             });
-            Pipeline { pipeline, layout, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }
+            Pipeline { pipeline, layout, group: self.group, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }
         })
     }
 }

@@ -62,6 +62,8 @@ pub struct Gpu {
     binding: u64,
     /// Bytes of a scene's records beyond which they are paged.
     whole: u64,
+    /// Invocations in a workgroup.
+    group: u32,
 }
 
 /// Storage buffers a kernel may bind.
@@ -140,7 +142,14 @@ impl Gpu {
             bytes,
             binding,
             whole: binding,
+            group: kernel::WORKGROUP,
         })
+    }
+
+    /// The same with workgroups of another size, 32 to 256: no result may depend on it (hard case G04).
+    #[doc(hidden)]
+    pub fn with_group(self, group: u32) -> Gpu {
+        Gpu { group, kernels: Mutex::default(), ..self }
     }
 
     /// The same with smaller bindings than the device has: what exceeds them is paged, or refused.

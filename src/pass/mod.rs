@@ -25,7 +25,7 @@ pub use engine::GpuEngine;
 use crate::error::{Error, Result};
 use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::{Geometry, Obstacle, Scene, obstacle};
+use crate::scene::{Geometry, Obstacle, Scene, depth, obstacle};
 use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
 
@@ -195,18 +195,4 @@ pub(crate) fn check_depth(nodes: &[BvhNode]) -> Result<()> {
         have: STACK as u64,
         cure: "split very long triangles, or remove repeated geometry",
     })
-}
-
-/// Most inner nodes on a way from the root to a leaf: what the traversal stack must hold.
-fn depth(nodes: &[BvhNode]) -> usize {
-    let mut deepest = 0;
-    let mut stack = vec![(0u32, 0usize)];
-    while let Some((i, above)) = stack.pop() {
-        let node = &nodes[i as usize];
-        deepest = deepest.max(above);
-        if node.count == 0 {
-            stack.extend([(node.first, above + 1), (node.first + 1, above + 1)]);
-        }
-    }
-    deepest
 }

@@ -1,7 +1,7 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::{Obstacle, Scene, cumulative, obstacle};
+use super::{Obstacle, Scene, cumulative, hierarchy, obstacle};
 use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
 use crate::hash::NumberMap;
@@ -81,17 +81,36 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The power of two that brings `x > 0` into (0.5, 1].
+/// The power of two that brings `x > 0` into (0.5, 1]; of those that have an inverse the nearest.
 fn power_of_two_for(x: f64) -> f64 {
-    let mut s = 2f64.powi(-(x.log2().ceil() as i32));
+    const MOST: i32 = 1000;
+    let mut e = (-(x.log2().ceil() as i32)).clamp(-MOST, MOST);
     // log2 may round at the interval's ends.
-    while x * s > 1.0 {
-        s *= 0.5;
+    while x * 2f64.powi(e) > 1.0 && e > -MOST {
+        e -= 1;
     }
-    while x * s <= 0.5 {
-        s *= 2.0;
+    while x * 2f64.powi(e) <= 0.5 && e < MOST {
+        e += 1;
     }
-    s
+    2f64.powi(e)
+}
+
+/// Twice the area vector of a triangle, or where a segment's left lies, as long as the segment.
+fn double_normal(flatland: bool, [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let way = sub(b, a);
+    if flatland { [-way[1], way[0], 0.0] } else { cross(way, sub(c, a)) }
+}
+
+/// Whether a face is thinner than rounding of its coordinates: neither its normal nor its area means anything.
+fn is_thin(corners: [[f64; 3]; 3], double_area: f64) -> bool {
+    let longest = [(0, 1), (1, 2), (2, 0)]
+        .map(|(a, b)| {
+            let e = sub(corners[b], corners[a]);
+            dot(e, e)
+        })
+        .into_iter()
+        .fold(0.0, f64::max);
+    double_area <= longest * 1e-9
 }
 
 impl Geometry {
@@ -120,25 +139,30 @@ impl Geometry {
         scene.check()?;
         let empty = || Error::EmptyScene { scene: scene.name.clone() };
 
-        // Bound the vertices that faces use, recentre, and scale by a power of two, all in f64.
+        // Bound the faces that have an area, recentre, and scale by a power of two, all in f64.
+        let flatland = scene.is_flatland();
         let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-        for face in &scene.faces {
-            for &v in &face.vertices {
+        for i in 0..scene.faces.len() {
+            let corners = scene.corners(i);
+            let normal = double_normal(flatland, corners);
+            if is_thin(corners, dot(normal, normal).sqrt()) {
+                continue;
+            }
+            for v in corners {
                 for k in 0..3 {
-                    low[k] = low[k].min(scene.vertices[v as usize][k]);
-                    high[k] = high[k].max(scene.vertices[v as usize][k]);
+                    low[k] = low[k].min(v[k]);
+                    high[k] = high[k].max(v[k]);
                 }
             }
         }
-        let flatland = scene.is_flatland();
         let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
         let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
         if half <= 0.0 || !half.is_finite() {
             return Err(empty());
         }
         let scale = power_of_two_for(half);
-        let local = |v: &[f64; 3]| [0, 1, 2].map(|k| ((v[k] - center[k]) * scale) as f32);
-        let locals: Vec<[f32; 3]> = scene.vertices.iter().map(local).collect();
+        let local = |v: &[f64; 3]| [0, 1, 2].map(|k| (v[k] - center[k]) * scale);
+        let locals: Vec<[f32; 3]> = scene.vertices.iter().map(|v| local(v).map(|x| x as f32)).collect();
         let places = places(&locals);
 
         // Keep triangles that have an area after the cast, each once.
@@ -147,21 +171,14 @@ impl Geometry {
         let mut seen: NumberMap<[u32; 3], u32> = NumberMap::default();
         seen.reserve(scene.faces.len());
         for (i, face) in scene.faces.iter().enumerate() {
+            let exact = face.vertices.map(|v| local(&scene.vertices[v as usize]));
             let corners = face.vertices.map(|v| locals[v as usize]);
             let c = corners.map(|v| v.map(f64::from));
-            // The left of a segment, as long as it; of a triangle twice as long as its area.
-            let way = sub(c[1], c[0]);
-            let normal = if flatland { [-way[1], way[0], 0.0] } else { cross(way, sub(c[2], c[0])) };
+            let normal = double_normal(flatland, c);
             let double_area = dot(normal, normal).sqrt();
-            let longest = [(0, 1), (1, 2), (2, 0)]
-                .iter()
-                .map(|&(a, b)| {
-                    let e = sub(c[b], c[a]);
-                    dot(e, e)
-                })
-                .fold(0.0, f64::max);
-            // Thinner than rounding of the coordinates: neither its normal nor its area means anything.
-            if double_area <= longest * 1e-9 || double_area < 1e-30 {
+            let plane = double_normal(flatland, exact);
+            let exact_area = dot(plane, plane).sqrt();
+            if is_thin(exact, exact_area) || is_thin(c, double_area) || double_area < 1e-30 {
                 degenerate.push(i as u32);
                 continue;
             }
@@ -174,7 +191,8 @@ impl Geometry {
                 Entry::Vacant(free) => free.insert(kept.len() as u32),
             };
             let area = if flatland { double_area } else { 0.5 * double_area };
-            kept.push(Kept { face: i as u32, corners, ends, normal: normal.map(|x| x / double_area), area });
+            let (normal, plane) = (normal.map(|x| x / double_area), plane.map(|x| x / exact_area));
+            kept.push(Kept { face: i as u32, corners, ends, exact, normal, plane, area });
         }
         if kept.is_empty() {
             return Err(empty());
@@ -182,14 +200,7 @@ impl Geometry {
 
         // Build the hierarchy and lay triangles out in its leaf order.
         let boxes: Vec<Bounds> = kept.iter().map(|k| Bounds { corners: k.corners, flatland }).collect();
-        let bvh =
-            obvhs::bvh2::builder::build_bvh2(&boxes, obvhs::BvhBuildParams::medium_build(), &mut std::time::Duration::default());
-        let nodes: Vec<BvhNode> = bvh
-            .nodes
-            .iter()
-            .map(|n| BvhNode { min: n.min.to_array(), count: n.prim_count, max: n.max.to_array(), first: n.first_index })
-            .collect();
-        let order: Vec<usize> = bvh.primitive_indices.iter().map(|&i| i as usize).collect();
+        let (nodes, order) = hierarchy::build(&boxes);
 
         // Materials, with the emission brought near 1.
         let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max);
@@ -367,7 +378,11 @@ struct Kept {
     corners: [[f32; 3]; 3],
     /// Where the corners are, by number: see [`places`].
     ends: [u32; 3],
+    /// The corners before the cast.
+    exact: [[f64; 3]; 3],
     normal: [f64; 3],
+    /// The normal before the cast, which tells planes apart.
+    plane: [f64; 3],
     area: f64,
 }
 
@@ -422,7 +437,7 @@ fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
     }
 }
 
-/// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
+/// Groups triangles into planar pieces, by their corners before the cast (hard case A10): grown over shared vertices from the first triangle, whose
 /// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material, all of them
 /// with a twin or none. Segments of flatland too short for that angle are granted their rounding.
 fn planar_pieces(kept: &[Kept], twins: &[u32], places: Vec<u32>, scene: &Scene) -> Vec<u32> {
@@ -450,9 +465,9 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], places: Vec<u32>, scene: &Scene) 
         if plane[i] != NONE {
             continue;
         }
-        let Kept { face, corners, normal, area, .. } = kept[i];
+        let Kept { face, exact, plane: normal, area, .. } = kept[i];
         let material = scene.faces[face as usize].material;
-        let origin = corners[0].map(f64::from);
+        let origin = exact[0];
         plane[i] = pieces;
         stack.push(i);
         while let Some(t) = stack.pop() {
@@ -464,13 +479,13 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], places: Vec<u32>, scene: &Scene) 
                     let other = &kept[o as usize];
                     // Rounding turns a short segment by this angle, and the line that it tells.
                     let turned = if flatland { 2e-7 / other.area.min(area) } else { 0.0 };
-                    let level = other.corners.iter().all(|c| {
-                        let off = sub(c.map(f64::from), origin);
+                    let level = other.exact.iter().all(|&c| {
+                        let off = sub(c, origin);
                         dot(off, normal).abs() < 1e-6 + turned * dot(off, off).sqrt()
                     });
                     if (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
-                        && dot(other.normal, normal) > 1.0 - 1e-8 - turned * turned
+                        && dot(other.plane, normal) > 1.0 - 1e-8 - turned * turned
                         && level
                     {
                         plane[o as usize] = pieces;

@@ -227,3 +227,11 @@ impl Solution {
         Ok(Answer { status, b, h, d: shade.direct.map(|x| x * unscale) })
     }
 }
+
+/// Numbers of a mesh or a picture. Errors: [`Error::Overflow`] rather than infinity.
+fn narrow(wide: [f64; 3], what: impl Fn() -> String) -> Result<[f32; 3]> {
+    match wide.into_iter().find(|&x| (x as f32).is_infinite()) {
+        Some(value) => Err(Error::Overflow { what: what(), value }),
+        None => Ok(wide.map(|x| x as f32)),
+    }
+}
