@@ -39,6 +39,9 @@ pub struct Kernel {
 /// Names and values of `override` constants; a `bool` is 0 or 1.
 pub type Constants = &'static [(&'static str, u32)];
 
+/// What tells pipelines apart: the kernel's name, its constants, and whether the scene is paged.
+pub(super) type Key = (&'static str, Constants, bool);
+
 impl Kernel {
     /// A kernel with its shader's own constants.
     pub const fn new(name: &'static str, buffers: &'static [Access]) -> Kernel {

@@ -45,16 +45,13 @@ use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 use work::Route;
 
-/// Kernels by name, constants, and whether they read pages.
-type Pipelines = HashMap<(&'static str, Constants, bool), Arc<Pipeline>>;
-
 /// A device, its queue, and the kernels compiled for it.
 #[derive(Debug)]
 pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
     route: Route,
-    kernels: Mutex<Pipelines>,
+    kernels: Mutex<HashMap<kernel::Key, Arc<Pipeline>>>,
     times: Times,
     paces: Paces,
     /// A flag a kernel, raised where a loop did not come to its end.
