@@ -72,7 +72,7 @@ impl Paces {
     pub fn next(&self, job: &Job, rest: &Range<u32>) -> (u32, bool) {
         let all = self.all.load(Ordering::Relaxed);
         if job.share * f64::from(job.items) <= LEAST {
-            return (rest.len() as u32, all);
+            return ((rest.len() as u32).min(job.chunk), all);
         }
         let (wanted, grown) = match self.known().get(job.name) {
             None => (LEAST, false),

@@ -3,7 +3,7 @@
 use super::groups;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Candidate, Node, Point};
+use crate::layout::{Candidate, NONE, Node, Point};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
 use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
@@ -158,7 +158,12 @@ pub fn place_nodes<E: Engine>(
     let all: Vec<usize> = (0..points.len()).collect();
     add_nodes(geometry, &mut surface, &points, &places, &all, count);
     progress.tick()?;
-    find_candidates(geometry, &mut surface);
+    // Until all nodes are there, only the training points' own tiles are asked of.
+    let mut asked = vec![false; geometry.tiles as usize];
+    for p in points.iter().filter(|p| p.tile != NONE) {
+        asked[p.tile as usize] = true;
+    }
+    list_candidates(geometry, &mut surface, |tile| asked[tile]);
     engine.set_surface(&surface)?;
 
     // Orphans get nodes of their own.
@@ -177,13 +182,14 @@ pub fn place_nodes<E: Engine>(
             break;
         }
         add_nodes(geometry, &mut surface, &points, &places, &orphans, more);
-        find_candidates(geometry, &mut surface);
+        list_candidates(geometry, &mut surface, |tile| asked[tile]);
         engine.set_surface(&surface)?;
     }
+    find_candidates(geometry, &mut surface);
     if mark {
         mark_free(geometry, &mut surface);
-        engine.set_surface(&surface)?;
     }
+    engine.set_surface(&surface)?;
     Ok(surface)
 }
 
@@ -214,10 +220,15 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
 
 /// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
+    list_candidates(geometry, surface, |_| true);
+}
+
+/// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty, where they have their own.
+fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
     surface.groups = geometry.groups.clone();
     let rows = match &surface.groups {
         Some(groups) => groups::candidates(geometry, surface, groups),
-        None => candidates_of_tiles(geometry, surface),
+        None => candidates_of_tiles(geometry, surface, asked),
     };
     surface.offsets = vec![0];
     surface.candidates.clear();
@@ -227,8 +238,8 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     }
 }
 
-/// The lists of [`find_candidates`], one each tile.
-fn candidates_of_tiles(geometry: &Geometry, surface: &Surface) -> Vec<Vec<Candidate>> {
+/// The lists of [`list_candidates`], one each tile.
+fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(usize) -> bool + Sync) -> Vec<Vec<Candidate>> {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
     // Boxes a few node spacings wide hold all that most tiles need.
@@ -239,9 +250,15 @@ fn candidates_of_tiles(geometry: &Geometry, surface: &Surface) -> Vec<Vec<Candid
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
+    // Tiles follow each other by place: most find the boxes around them where the one before had them.
+    type Around = (Option<(u32, [i32; 3])>, Vec<u32>);
     (0..geometry.tiles as usize)
         .into_par_iter()
-        .map(|tile| {
+        .with_min_len(256)
+        .map_init(Around::default, |(last, around), tile| {
+            if !asked(tile) {
+                return Vec::new();
+            }
             let t = geometry.tile_tri[tile];
             let tri = &geometry.tris[t as usize];
             let own = &by_material[tri.material as usize];
@@ -270,8 +287,12 @@ fn candidates_of_tiles(geometry: &Geometry, surface: &Surface) -> Vec<Vec<Candid
                 (near, reach)
             };
             let [x, y, z] = box_of(centre);
-            let around = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
-            let (mut near, reach) = within_reach(around.flatten().filter_map(measure).collect());
+            let here = Some((tri.material, [x, y, z]));
+            if *last != here {
+                let boxes = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
+                (*last, *around) = (here, boxes.flatten().copied().collect());
+            }
+            let (mut near, reach) = within_reach(around.iter().filter_map(measure).collect());
             if reach > 0.999 * width {
                 near = within_reach(own.iter().filter_map(measure).collect()).0;
             }
@@ -359,4 +380,30 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
         }
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Flow;
+    use crate::scene::{Material, Scene, shapes};
+    use crate::twin::TwinEngine;
+
+    #[test]
+    fn a_surface_is_the_same_placed_or_read() {
+        // A block on the floor: orphans beside it, tiles that no training point lies in.
+        let room = shapes::room([0.0; 3], [1.0; 3], [0; 6]);
+        let solid = [room, shapes::block([0.4, 0.0, 0.4], [0.5, 0.02, 0.5], 0)].concat();
+        let materials = vec![Material::new("grey", [0.5; 3], [0.0; 3])];
+        let geometry = Geometry::new(&Scene::from_triangles("room", &solid, materials).unwrap()).unwrap();
+        let density = vec![1.0; geometry.tiles as usize];
+        for mark in [false, true] {
+            let quiet = &mut |_: &_| Flow::Continue;
+            let engine = &mut TwinEngine::new(&geometry);
+            let placed = place_nodes(engine, &geometry, &density, 60, 0.3, 5, mark, &mut Progress::new(quiet)).unwrap();
+            let read = surface_of(&geometry, placed.nodes.clone(), 0.3, mark);
+            assert!(placed.offsets == read.offsets && placed.candidates == read.candidates);
+            assert!(placed.offsets.windows(2).all(|w| w[0] < w[1]), "a tile without candidates");
+        }
+    }
 }

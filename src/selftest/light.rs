@@ -90,7 +90,7 @@ pub fn energy(t: &mut Trial) -> Result<()> {
     t.near("light that is lost or made", 0.0, imbalance, 0.01); // a network's share of reflected light, at few rays
     // All that shines is absorbed in the end: the mean of b is that of e, times 1/(1 - rho).
     let truth = 1.0 / 0.3 / (6.0 + 6.0 * 0.3 * 0.3);
-    let answers = solution.query(t.backend, &spread(&scene, |_| true, 2048)?)?;
+    let answers = solution.query(t.backend, &spread(&scene, |_| true, 512)?)?;
     t.near("b in a closed room of 0.7, the mean", truth, mean(&b(&answers)), 5e-3 * truth); // 32,768 rays
     Ok(())
 }

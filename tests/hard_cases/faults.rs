@@ -124,7 +124,7 @@ mod program {
         assert_eq!(shell(dir.path(), &format!("$RAYCELL {bake} -o straight")).status.code(), Some(0));
         let straight = std::fs::read(dir.path().join("straight/solution.rcell")).unwrap();
         let (mut failed, mut resumable) = (0, 0);
-        for megabytes in [700, 900, 1_000, 1_100] {
+        for megabytes in [400, 700, 850, 950] {
             let out = format!("out{megabytes}");
             let output = shell(dir.path(), &format!("ulimit -v {}; exec $RAYCELL {bake} -o {out}", megabytes * 1024));
             let said = words(&output);
