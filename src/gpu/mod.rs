@@ -45,13 +45,16 @@ use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 use work::Route;
 
+/// Pipelines by their kernel's name, its constants, and whether it reads pages.
+type Pipelines = HashMap<(&'static str, Constants, bool), Arc<Pipeline>>;
+
 /// A device, its queue, and the kernels compiled for it.
 #[derive(Debug)]
 pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
     route: Route,
-    kernels: Mutex<HashMap<(&'static str, Constants, bool), Arc<Pipeline>>>,
+    kernels: Mutex<Pipelines>,
     times: Times,
     paces: Paces,
     /// A flag a kernel, raised where a loop did not come to its end.
