@@ -15,6 +15,7 @@ use crate::progress::{Event, Progress};
 use crate::radiosity::patches::Mesh;
 use crate::radiosity::patches::exchange::{Exchange, Transport};
 use crate::radiosity::patches::sampled::Sampled;
+use crate::radiosity::components::Components;
 use crate::radiosity::solver::{self, Rule};
 use crate::scene::{Geometry, Scene};
 use crate::stream::{Stream, stream};
@@ -49,7 +50,8 @@ pub fn run<E: Engine>(
             })
         };
         let dark = vec![NodeLight::default(); nodes.len()];
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
+        let rooms = Components::of_rows(&exchange.offsets, &exchange.other).numbers();
+        solver::iterate(&mut sweep, geometry, dark, &rooms, rule, progress, scene)
     })?;
 
     let cost = (exchange.value.len() as u64, exchange.evaluations);

@@ -15,7 +15,7 @@ use crate::network::growth::Growth;
 use crate::network::{nodes, tiles, tiles::mean};
 use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
-use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::components::{Components, Peaks, Splitter};
 use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
@@ -325,13 +325,16 @@ fn network<E: Engine>(
             saved.keep(progress)?;
         }
 
-        // Rooms that see nothing of each other get cells of their own.
+        // Rooms that see nothing of each other get cells of their own, and sums of their own unit.
         let cell_count = clock.time(engine, "coefficients", |engine| {
             let mut components = Components::new(surface.nodes.len());
             let mut seen = Vec::new();
+            let (mut peaks, mut first) = (Peaks::new(surface.nodes.len()), 0);
             for batch in &batches {
                 let (points, psi) = (engine.points(batch)?, engine.psi(batch)?);
                 components.join(&points, &psi);
+                peaks.see(geometry, &points, &psi, saved.network.direct.get(first..first + points.len()).filter(|_| exact));
+                first += points.len();
                 seen.push((points, psi));
                 progress.tick()?;
             }
@@ -343,6 +346,7 @@ fn network<E: Engine>(
                 }
                 progress.tick()?;
             }
+            peaks.set_gains(geometry, &components.numbers(), &mut surface.nodes);
             Ok(splitter.cells())
         })?;
 

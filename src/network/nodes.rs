@@ -2,14 +2,14 @@
 
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Candidate, Node, Point};
+use crate::layout::{Candidate, NONE, Node, Point};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
-use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
+use crate::twin::assign::{CONE, LIFT, NEAREST, Surface, crossed};
 use crate::twin::gather::Gathered;
 use crate::twin::math::{invert_cdf, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{place_in_tile, surface_point};
+use crate::twin::trace::{Ray, closest, place_in_tile, surface_point};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -206,13 +206,20 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
         for i in k_means(&own, share) {
             let p = &points[members[i]];
             let tri = &geometry.tris[p.tri as usize];
-            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, ..Node::default() });
+            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, gain: 1.0, ..Node::default() });
         }
     }
 }
 
-/// Lists for every tile the nodes that can be among the nearest of any of its points.
+/// Lists for every tile the nodes that can be among the nearest of any of its points, and looks up from each node.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
+    surface.nodes.par_iter_mut().for_each(|n| {
+        n.clear = closest(
+            geometry,
+            &Ray { origin: Vec3::from(n.p), direction: Vec3::from(n.n), t_max: f32::MAX, skip: [n.plane, NONE] },
+        )
+        .t
+    });
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
     // Boxes a few node spacings wide hold all that most tiles need.
@@ -304,7 +311,7 @@ pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
     // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
     [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
         let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, a, b);
-        crate::twin::trace::position(t, b1, b2)
+        crate::twin::trace::corner_position(t, b1, b2)
     })
 }
 
@@ -319,6 +326,10 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
     for node in nodes {
         let q = Vec3::from(node.p);
         for &c in corners {
+            // Their own planes may stand between them.
+            if crossed(c, n, plane, node) != [plane, node.plane] {
+                return false;
+            }
             let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
             // Segments start at the lift, so the surface itself is not in the box.
             take(c + n * lift);
