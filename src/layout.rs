@@ -143,7 +143,7 @@ pub struct Node {
     /// Mean of the node's deposit minus `p`, along the two tangents (see [`crate::twin::math::tangents`]).
     pub mean: [f32; 2],
     /// Power of two that brings the sources of light around it near 1, so that dim rooms keep their digits
-    /// (see [`crate::radiosity::components`]).
+    /// (see [`crate::radiosity::components`]); negative where no ray has met the node, which then speaks for no point.
     pub gain: f32,
     /// Way along the normal until something stands in it, local; found anew where a network is read.
     pub clear: f32,

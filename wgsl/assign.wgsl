@@ -185,8 +185,8 @@ fn weights(i: u32) -> Psi {
             let lift = max(LIFT * sqrt(dot3(p - q, p - q)), FLOOR);
             let up = reach < 0.0;
             if up || (lift <= reach && lift <= nodes[node].clear) {
-                let from = p + n * lift;
-                var look = Look(from, q + nodes[node].n * lift - from, 1.0, crossed(p, n, plane, node));
+                let start = p + n * lift;
+                var look = Look(start, q + nodes[node].n * lift - start, 1.0, crossed(p, n, plane, node));
                 if up {
                     var far = 0.0;
                     for (var c = 0u; c < NEAREST; c++) {

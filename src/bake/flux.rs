@@ -357,6 +357,8 @@ fn network<E: Engine>(
             let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
+            let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
+            nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark);
             engine.set_surface(&surface)?;
             if exact {
                 // The first bounce is known at every ray's end; it needs no cell.

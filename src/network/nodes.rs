@@ -226,7 +226,7 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
     let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
     let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
-    for (i, n) in surface.nodes.iter().enumerate() {
+    for (i, n) in surface.nodes.iter().enumerate().filter(|(_, n)| n.gain >= 0.0) {
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
@@ -277,6 +277,23 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
         surface.candidates.extend(row);
         surface.offsets.push(surface.candidates.len() as u32);
     }
+}
+
+/// Leaves out the nodes that no ray has met, whose light nobody knows: a point near them is better gathered for. Returns
+/// whether there were any.
+pub fn leave_out_empty(geometry: &Geometry, surface: &mut Surface, mass: &[f64], mark: bool) -> bool {
+    let mut any = false;
+    for (node, _) in surface.nodes.iter_mut().zip(mass).filter(|(_, m)| **m <= 0.0) {
+        node.gain = -1.0;
+        any = true;
+    }
+    if any {
+        find_candidates(geometry, surface);
+        if mark {
+            mark_free(geometry, surface);
+        }
+    }
+    any
 }
 
 /// Whether so many rays save more by marks than finding them takes.

@@ -78,14 +78,14 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The power of two that brings `x > 0` into (0.5, 1].
+/// The power of two that brings `x > 0` into (0.5, 1]; near it where that power is beyond f64's.
 pub(crate) fn power_of_two_for(x: f64) -> f64 {
-    let mut s = 2f64.powi(-(x.log2().ceil() as i32));
+    let mut s = 2f64.powi((-x.log2().ceil()).clamp(-1000.0, 1000.0) as i32);
     // log2 may round at the interval's ends.
     while x * s > 1.0 {
         s *= 0.5;
     }
-    while x * s <= 0.5 {
+    while x * s <= 0.5 && s < 2f64.powi(1022) {
         s *= 2.0;
     }
     s

@@ -285,5 +285,10 @@ pub fn barycentric(flatland: bool, tri: &Tri, p: Vec3) -> (f32, f32) {
 /// A surface point from barycentric coordinates, with its tile; `kind`, `weight` and `density` are left 0.
 pub fn surface_point(geometry: &Geometry, tri: u32, b1: f32, b2: f32) -> Point {
     let t = &geometry.tris[tri as usize];
-    Point { p: position(geometry.flatland, t, b1, b2).to_array(), tri, tile: tile_of(geometry.flatland, t, b1, b2), ..Point::default() }
+    Point {
+        p: position(geometry.flatland, t, b1, b2).to_array(),
+        tri,
+        tile: tile_of(geometry.flatland, t, b1, b2),
+        ..Point::default()
+    }
 }
