@@ -32,6 +32,11 @@ fn medium(direct: Direct) -> Params {
     Params { direct_samples: 1024, gather_rays: 256, ..params(16_384, direct) }
 }
 
+/// So many rays that one which finds its way out of a slot brings less than a thousandth.
+fn careful(direct: Direct) -> Params {
+    Params { gather_rays: 4096, ..medium(direct) }
+}
+
 fn most(answers: &[raycell::Answer]) -> f64 {
     answers.iter().flat_map(|a| a.b).fold(0.0, f64::max)
 }
@@ -53,7 +58,7 @@ fn a_cupboard_against_a_wall_is_dark_inside() {
         assert!(dark.iter().all(|a| a.b == [0.0; 3] && a.h == [0.0; 3]), "{direct:?}: {:e}", most(&dark));
         // Beside it the wall is lit.
         let lit = ask(&gpu, &solution, &plane(0, 0.0, 1.0, &[0.1, 0.28, 0.72, 0.9], &[0.3, 0.5]), 0.05);
-        assert!(lit.iter().all(|a| a.b[0] > 0.02), "{lit:?}");
+        assert!(lit.iter().all(|a| a.b[0] > 0.005), "{lit:?}");
     }
 }
 
@@ -109,7 +114,7 @@ fn a_shelf_two_millimetres_off_a_wall_keeps_its_slot_dark() {
     for (name, board, front) in [("box", thick, 0.032), ("sheet", thin, 0.002)] {
         let t = [walls.clone(), board, lamp([1.0, 0.7], [1.6, 1.3], 1.98)].concat();
         for direct in [Direct::Exact, Direct::Network] {
-            let solution = solve(&gpu, &scene(&t, paints()), &medium(direct));
+            let solution = solve(&gpu, &scene(&t, paints()), &careful(direct));
             let spacing = solution.geometry().spacing(solution.nodes().len()) / solution.geometry().scale;
             let inner: Vec<f64> = (0..8).map(|i| 0.2 + spacing + (1.6 - 2.0 * spacing) * (f64::from(i) + 0.5) / 8.0).collect();
             let slot = [plane(0, 0.0, 1.0, &inner, &inner), plane(0, 0.002, -1.0, &inner, &inner)].concat();
@@ -134,7 +139,7 @@ fn a_sheet_below_a_sheet_is_in_its_shadow() {
     for gap in [2e-2, 2e-3, 2e-4] {
         let t = [walls.clone(), sheet(0.5), sheet(0.5 + gap), lamp([0.7, 0.7], [1.3, 1.3], 1.98)].concat();
         for direct in [Direct::Exact, Direct::Network] {
-            let solution = solve(&gpu, &scene(&t, paints()), &medium(direct));
+            let solution = solve(&gpu, &scene(&t, paints()), &careful(direct));
             let spacing = solution.geometry().spacing(solution.nodes().len()) / solution.geometry().scale;
             let inner: Vec<f64> = (0..8).map(|i| 0.2 + spacing + (1.6 - 2.0 * spacing) * (f64::from(i) + 0.5) / 8.0).collect();
             let [low, high] = [0.5, 0.5 + gap].map(|z| ask(&gpu, &solution, &plane(2, z, 1.0, &inner, &inner), 0.05));

@@ -72,7 +72,14 @@ pub fn params(rays: u32, direct: Direct) -> Params {
 /// All light through the network, read from its nodes; gathered for only where none speaks for a point. Rows sum to 1 there
 /// whatever the rays' scatter, as long as no slot is dropped, where gathers and direct light have the scatter of their samples.
 pub fn by_nodes(rays: u32) -> Params {
-    Params { slots: 128, gather_threshold: 0.0, direct_tolerance: 5e-4, direct_samples: 16_384, ..params(rays, Direct::Network) }
+    Params {
+        slots: 128,
+        cells: Some((rays / 16).max(64)),
+        gather_threshold: 0.0,
+        direct_tolerance: 5e-4,
+        direct_samples: 16_384,
+        ..params(rays, Direct::Network)
+    }
 }
 
 pub fn solve(gpu: &Arc<Gpu>, scene: &Scene, params: &Params) -> Solution {
