@@ -128,6 +128,8 @@ pub trait Engine: Responder {
     fn finish(&mut self) -> Result<()>;
     /// Seconds spent compiling kernels so far.
     fn compile_seconds(&self) -> f64;
+    /// Lines of sight to emitters that have been walked so far; those that carry no light are counted, too.
+    fn shadow_rays(&self) -> u64;
     /// Bytes that live on the machine now (the host's own memory for the twin).
     fn device_bytes(&self) -> u64;
 }

@@ -58,8 +58,8 @@ pub enum Error {
         /// Face index, from 0.
         face: usize,
     },
-    /// A vertex is NaN or infinite.
-    #[error("{place}: vertex {index} is not finite ({value:?}); re-export the mesh")]
+    /// A vertex is NaN, infinite, or more than 32-bit floats hold.
+    #[error("{place}: vertex {index} is not finite in 32 bits ({value:?}); re-export the mesh")]
     InvalidVertex {
         /// File and line, or the scene's name.
         place: String,
@@ -92,8 +92,10 @@ pub enum Error {
         /// The value.
         value: f64,
     },
-    /// An emission that is negative or not finite.
-    #[error("{place}: material '{material}': emission {value} in the {band} band is not a finite number >= 0; correct it")]
+    /// An emission that is negative, not finite, or more than 32-bit floats hold.
+    #[error(
+        "{place}: material '{material}': emission {value} in the {band} band is not a finite number >= 0 in 32 bits; correct it"
+    )]
     InvalidEmission {
         /// File and line, or the scene's name.
         place: String,
@@ -193,6 +195,16 @@ pub enum Error {
     NotFinite {
         /// What.
         what: String,
+    },
+    /// A result too large for the 32-bit floats that meshes and pictures are made of.
+    #[error(
+        "{what} is {value:e}, more than the 32-bit floats of meshes and pictures hold; ask for points, or lower the emission"
+    )]
+    Overflow {
+        /// What.
+        what: String,
+        /// The value, in the output's unit.
+        value: f64,
     },
     /// A checkpoint of another bake.
     #[error(

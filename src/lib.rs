@@ -28,6 +28,7 @@
 //!   [`Solution::vertices`] for meshes, [`Solution::save`] for later. [`output`] writes the files.
 //! - **Stopping:** [`bake_from`] fills a [`Checkpoint`] and goes on from one; [`Checkpoint::solution`] is what was
 //!   known when it stopped.
+//! - **Trust:** [`selftest::run`] holds a machine's driver against closed forms.
 //! - **Progress:** the closure hears [`Event`]s and may answer [`Flow::Stop`]. The library prints
 //!   nothing and keeps no global state; what fails is an [`Error`] that names the cure.
 //!
@@ -45,9 +46,11 @@ pub mod checkpoint;
 pub mod cli;
 mod disjoint;
 pub mod doctor;
+pub mod effects;
 pub mod engine;
 pub mod error;
 pub mod gpu;
+mod hash;
 #[doc(hidden)]
 pub mod layout;
 #[cfg(feature = "cli")]
@@ -68,6 +71,7 @@ pub mod progress;
 #[doc(hidden)]
 pub mod radiosity;
 pub mod scene;
+pub mod selftest;
 #[doc(hidden)]
 pub mod shade;
 pub mod solution;

@@ -23,6 +23,8 @@ const SMALL_ROUND: Samples = Samples { emitter: 6, cosine: 2 };
 const FEW_SAMPLES: u32 = 1_024;
 /// Rounds before the error of direct light is looked at.
 const FIRST_ROUNDS: u32 = 8;
+/// Samples that have to miss every emitter before a point is taken to see none.
+const DARK_SAMPLES: u32 = 256;
 /// Most rays of direct light between two moments at which the caller may stop.
 const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
@@ -295,7 +297,9 @@ fn sample_direct<E: Engine>(
         active.retain(|&i| {
             let (s, h) = (&sums[i as usize], &network[i as usize]);
             let light = s.mean().iter().sum::<f32>() / 3.0 + (h[0] + h[1] + h[2]) / 3.0;
-            s.standard_error() > params.direct_tolerance as f32 * light
+            // Where all samples missed they do not scatter, and a small lamp close by is missed by a few.
+            let unsure = s.sum == [0.0; 3] && done * rays < DARK_SAMPLES;
+            unsure || s.standard_error() > params.direct_tolerance as f32 * light
         });
         if active.is_empty() {
             return Ok(sums);

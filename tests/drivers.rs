@@ -1,6 +1,7 @@
 //! Drivers that are missing, misnamed, lost, or out of memory: a typed error each, and never a panic.
 
 use raycell::gpu::{Gpu, device};
+use raycell::selftest::{Spoil, run_with};
 use raycell::{Backend, Error, Event, Flow, Params, Scene, bake};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -136,6 +137,45 @@ fn too_much_memory_is_a_limit() {
         assert!(matches!(error, Error::Limit { .. }), "{error:?}");
         assert!(error.to_string().contains("'everything'"), "{error}");
     }
+}
+
+#[test]
+fn this_driver_passes_the_self_test() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = run(dir.path(), &[], &["selftest", "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((output.status.code(), told["failed"].to_string().as_str()), (Some(0), "[]"), "{told:#}");
+    let outcomes = told["outcomes"].as_array().unwrap();
+    assert!(outcomes.len() >= 60 && told["cases"].as_u64().unwrap() >= 25, "{told:#}");
+    // What it says is what passes: a number within its tolerance.
+    for o in outcomes {
+        let number = |key: &str| o[key].as_f64().unwrap();
+        assert!((number("got") - number("truth")).abs() <= number("tolerance"), "{o}");
+        assert_eq!((&o["pass"], &o["error"]), (&true.into(), &serde_json::Value::Null), "{o}");
+    }
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn the_self_test_finds_what_is_wrong() {
+    let open = open();
+    let gpu = Backend::Gpu(Arc::new(Gpu::new(&open.device, &open.queue).unwrap()));
+    let failed = |cases: &[&str], spoil: Spoil| -> (usize, usize) {
+        let names: Vec<String> = cases.iter().map(|c| c.to_string()).collect();
+        let outcomes = run_with(&gpu, &names, spoil, &mut |_| Flow::Continue).unwrap();
+        (outcomes.iter().filter(|o| !o.pass).count(), outcomes.len())
+    };
+    // Light that is solved for with another norm than its truth has.
+    assert_eq!(failed(&["E19"], Spoil::Nothing).0, 0);
+    let (wrong, all) = failed(&["E19"], Spoil::Norm);
+    assert!(wrong == all && all == 4, "{wrong} of {all}");
+    // Other truths: also those that are exact.
+    let (wrong, all) = failed(&["H06", "H10", "G01", "A06", "A11", "A12", "A17", "D02", "E13"], Spoil::Truths);
+    assert!(wrong == all && all >= 20, "{wrong} of {all}");
+    // A device that is gone is an error of its own.
+    open.device.destroy();
+    let lost = run_with(&gpu, &["A11".into()], Spoil::Nothing, &mut |_| Flow::Continue);
+    assert!(matches!(lost, Err(Error::DeviceLost { .. })), "{lost:?}");
 }
 
 /// Set in the child that [`memory_that_runs_out_is_told_as_such`] starts.

@@ -9,7 +9,7 @@ struct Params {
     inv_unit: f32, // 1/L
     lambda: f32, // weight of normals
     first_list: u32, // where the candidates begin
-    pad0: u32,
+    joint: u32, // where the starts of shared lists begin, after each tile's group; 0: each tile has its own
     pad1: u32,
 }
 
@@ -17,13 +17,14 @@ struct Params {
 @group(0) @binding(1) var<storage, read> bvh: array<BvhNode>;
 @group(0) @binding(2) var<storage, read> tris: array<Tri>;
 @group(0) @binding(3) var<storage, read> nodes: array<Node>;
-// Start of each tile's candidates, then all candidates, two words each.
+// Start of each tile's candidates, then all candidates, two words each. Where tiles share lists, each one's group comes first.
 @group(0) @binding(4) var<storage, read> lists: array<u32>;
 @group(0) @binding(5) var<storage, read> points: array<Point>;
 @group(0) @binding(6) var<storage, read> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> psi: array<Psi>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
 
+const CONE = 0.7; // normals must agree to this cosine
 const NEAREST = 9u; // candidates looked at
 const PLANE = 0.3; // share of the distance by which one point may lie off the other's plane
 const PLANE_FLOOR = 1e-3; // the same in units of L
@@ -95,8 +96,8 @@ fn weights(i: u32) -> Psi {
         return result;
     }
     let p = points[i].p;
-    let n = tris[tri].normal;
-    let plane = tris[tri].plane;
+    let n = tri_normal(tri);
+    let plane = tri_plane(tri);
 
     // Keep the nearest candidates in order; the earlier of two equals comes first. The slots are named
     // one by one, so that they stay in registers.
@@ -118,11 +119,19 @@ fn weights(i: u32) -> Psi {
     var c6 = NONE;
     var c7 = NONE;
     var c8 = NONE;
-    let end = lists[tile + 1u];
-    var c = lists[tile];
+    var list = tile;
+    if params.joint != 0u {
+        list = params.joint + lists[tile];
+    }
+    let end = lists[list + 1u];
+    var c = lists[list];
     for (; c < end; c++) {
         let d = distance2(p, n, candidate_node(c));
         if d < d8 {
+            // A list of several tiles holds nodes of other cones, too.
+            if params.joint != 0u && dot3(n, nodes[candidate_node(c)].n) <= CONE {
+                continue;
+            }
             let b0 = d < d0;
             let b1 = d < d1;
             let b2 = d < d2;

@@ -2,7 +2,7 @@
 //! one before, and each a bake of its own: what comes out depends on the rung that it ended on and on nothing else.
 
 use crate::accuracy::estimate::median_region;
-use crate::bake::bake_from;
+use crate::bake::bake_prepared;
 use crate::checkpoint::Checkpoint;
 use crate::engine::Backend;
 use crate::error::{Error, Result};
@@ -71,12 +71,12 @@ pub fn climb(
         // There is nothing left to do.
         rung = Params::LAST_RUNG + 1;
     }
-    let mut missed = None;
+    let (mut missed, mut prepared) = (None, None);
     while rung <= Params::LAST_RUNG {
         let start = Instant::now();
         let limit = best.as_ref().and_then(|_| clock.end());
         let mut late = false;
-        let baked = bake_from(backend, scene, &params.rung(rung), checkpoint, &mut |event| {
+        let baked = bake_prepared(backend, scene, &mut prepared, &params.rung(rung), checkpoint, &mut |event| {
             late |= limit.is_some_and(|limit| Instant::now() > limit);
             if late { Flow::Stop } else { progress(event) }
         });

@@ -20,7 +20,7 @@ use crate::output::atomic;
 use crate::progress::{Event, Progress};
 use crate::scene::{Geometry, Scene};
 use crate::solution::SurfacePoint;
-use crate::twin::direct::{Samples, from_direction, from_emitter, round};
+use crate::twin::direct::{Samples, from_direction, from_emitters, round};
 use crate::twin::emit::first_hit;
 use crate::twin::math::{cosine_direction, seed_of, unit};
 use crate::twin::sobol::sobol4;
@@ -36,8 +36,8 @@ use std::time::{Duration, Instant};
 pub const PATHS: u32 = 128;
 /// Direct samples of a batch.
 const DIRECT: Samples = Samples { emitter: 128, cosine: 128 };
-/// Samples at the ends of a path; the cosine direction is also the way on.
-const END: Samples = Samples { emitter: 1, cosine: 1 };
+/// Samples at the ends of a path: one shadow ray serves all of the emitters', and the cosine direction is also the way on.
+const END: Samples = Samples { emitter: 8, cosine: 1 };
 /// Batches of the first look, and the fewest after it: a standard error from fewer means little.
 const FEWEST: u32 = 16;
 /// Most batches a round at a point.
@@ -137,7 +137,7 @@ impl<'a> Reference<'a> {
             bytes(&geometry.materials),
             bytes(&[geometry.scale, geometry.emission_scale, geometry.arrives]),
             bytes(&coordinates),
-            bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine]),
+            bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine, END.emitter]),
         ]);
         let none = vec![[0.0; 3]; points.len()];
         let state = State { of, share: Vec::new(), rounds: 0, sum: none.clone(), square: none };
@@ -374,7 +374,7 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
             break;
         }
         at = Spot { tri: hit.tri, p: position(geometry.flatland, there, hit.b1, hit.b2) };
-        light += through * from_emitter(geometry, at.tri, at.p, lamp[0], lamp[1], END);
+        light += through * from_emitters(geometry, at.tri, at.p, lamp, random.unit(), END);
         turn = [random.next(), random.next()];
         lamp = [random.next(), random.next()];
     }

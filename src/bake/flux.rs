@@ -71,6 +71,10 @@ pub fn run<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
+    if params.direct == Direct::Exact && !geometry.reflects() {
+        // All light is direct, and the read-out finds it: there is nothing to train on.
+        return account(engine, geometry, params, &mut [], saved, clock, progress);
+    }
     let stage = full(engine, scene, geometry, params, saved, clock, progress)?;
     let mut batches = network(engine, scene, geometry, params, &stage, saved, clock, progress)?;
     account(engine, geometry, params, &mut batches, saved, clock, progress)
@@ -132,6 +136,7 @@ pub(super) fn account<E: Engine>(
     saved.network.direct = Vec::new();
     clock.compile = Some(engine.compile_seconds());
     clock.device_bytes = Some(engine.device_bytes());
+    clock.shadow_rays = Some(engine.shadow_rays());
     saved.keep(progress)
 }
 
@@ -163,7 +168,7 @@ fn pilot<E: Engine>(
         .collect();
     saved.keep(progress)?;
 
-    let first: Vec<f64> = sent.iter().map(mean).collect();
+    let first = tiles::of_tiles(geometry, sent.iter().map(mean).collect());
     let stage = Stage {
         rays: pilot_rays(params),
         cells: PILOT_CELLS,
@@ -201,6 +206,7 @@ fn pilot<E: Engine>(
             })
             .collect())
     })?;
+    let carried = tiles::of_tiles(geometry, carried);
     progress.tick()?;
     // Of the usual number of nodes, so that bakes of all sizes have the same pilot.
     let usual = Params::default().node_count(geometry.pieces, geometry.flatland);

@@ -10,6 +10,7 @@ mod rays;
 use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
+use crate::effects;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::params::{Method, Mode, Norm, Params};
@@ -32,6 +33,7 @@ pub(crate) struct Clock {
     pub seconds: BTreeMap<&'static str, f64>,
     pub compile: Option<f64>,
     pub device_bytes: Option<u64>,
+    pub shadow_rays: Option<u64>,
 }
 
 impl Clock {
@@ -76,36 +78,54 @@ pub fn bake_from(
     saved: &mut Checkpoint,
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
+    bake_prepared(backend, scene, &mut None, params, saved, progress)
+}
+
+/// As [`bake_from`], for several bakes of one scene with one norm: the first prepares it for all.
+pub(crate) fn bake_prepared(
+    backend: &Backend,
+    scene: &Scene,
+    prepared: &mut Option<Geometry>,
+    params: &Params,
+    saved: &mut Checkpoint,
+    progress: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<Solution> {
     params.check()?;
     let mut progress = Progress::new(progress);
     progress.event(Event::Stage { name: "bvh" })?;
     let start = Instant::now();
-    let geometry = Geometry::for_bake(scene, params)?;
+    let geometry = match prepared {
+        Some(geometry) => geometry,
+        None => prepared.insert(Geometry::for_bake(scene, params)?),
+    };
     let bvh = start.elapsed().as_secs_f64();
+    let geometry = &*geometry;
     let resumed = !saved.is_empty();
-    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
-    let mut warnings = doctor::warnings(scene, &geometry);
+    saved.claim(Key::new(backend, scene, geometry, params), geometry)?;
+    let mut warnings = doctor::warnings(scene, geometry);
     if params.norm == Norm::Paper1997 {
         warnings.push(PAPER_NORM.into());
     }
     for warning in &warnings {
         progress.event(Event::Warning(warning.clone()))?;
     }
+    let effects = effects::of(scene, &geometry);
     let mut clock = Clock::default();
     let mut solution = match backend {
         Backend::Cpu => {
-            let engine = &mut TwinEngine::new(&geometry);
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut TwinEngine::new(geometry);
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
         Backend::Gpu(gpu) => {
-            let engine = &mut GpuEngine::new(gpu, &geometry)?;
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut GpuEngine::new(gpu, geometry)?;
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
     };
 
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
+    report.effects = Some(effects);
     report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
     seconds.bvh = Some(bvh);
@@ -125,6 +145,7 @@ pub fn bake_from(
         ("dropped_coefficient_mass", serde_json::json!(net.coefficients.as_ref().map(|c| c.dropped))),
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
+        ("shadow_rays", serde_json::json!(clock.shadow_rays)),
         ("stages", serde_json::json!(clock.seconds)),
         ("learned", serde_json::json!(saved.learned)),
         // Times are then those since the bake went on.

@@ -55,6 +55,11 @@ impl Checkpoint {
                 };
                 (nodes.clone(), light.clone(), cells(growth, &self.learned), c.system.clone())
             }
+            // Nothing reflects: there was nothing to solve.
+            (_, None) if self.is_whole() => {
+                report.solver.method = "none".into();
+                (Vec::new(), Vec::new(), Vec::new(), unread(&[]))
+            }
             (_, Some(pilot)) => (pilot.nodes.clone(), pilot.light.clone(), Vec::new(), unread(&pilot.nodes)),
             _ => (Vec::new(), Vec::new(), Vec::new(), unread(&[])),
         };

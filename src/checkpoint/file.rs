@@ -168,7 +168,8 @@ impl Checkpoint {
         let amounts = |x: &[f64], many: usize| x.len() == many && x.iter().all(|x| x.is_finite() && *x >= 0.0);
         let tiles = geometry.tiles as usize;
         let tile = |d: &DirectSum| finite(&d.sum);
-        if !self.tiles.iter().all(|t| t.len() == tiles && t.iter().all(tile)) {
+        let places = geometry.groups.as_ref().map_or(tiles, |groups| groups.len());
+        if !self.tiles.iter().all(|t| t.len() == places && t.iter().all(tile)) {
             return Err("the light of its tiles does not fit the scene");
         }
         if let Some(p) = &self.pilot {

@@ -43,6 +43,7 @@ pub fn run(flags: Flags) -> Result<Done> {
                 "type": format!("{:?}", line.info.device_type).to_lowercase(),
                 "driver": line.info.driver,
                 "driver_info": line.info.driver_info,
+                "ray_query": line.features.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY),
                 "chosen": line.chosen,
                 "why_not": line.why_not,
             }));

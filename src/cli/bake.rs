@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::memory;
 use crate::output::mesh::Mesh;
 use crate::output::report::Report;
-use crate::output::{glb, image, ply, points, report};
+use crate::output::{atomic, glb, image, ply, points, report};
 use crate::params::{EVERYWHERE, Params};
 use crate::progress::Event;
 use crate::scene::Scene;
@@ -112,6 +112,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let opening = opening.elapsed();
     let dir = &flags.output;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
+    atomic::check_folder(dir)?;
 
     // Bake and read out; everything is read out before the first result appears.
     let mut there = if flags.resume { kept::already(dir, &scene, &params, goal.is_some()) } else { None };

@@ -7,7 +7,7 @@ use serde_json::Value;
 pub const DONE: u8 = 0;
 /// `doctor` found something.
 pub const FOUND: u8 = 1;
-/// A target was not reached.
+/// A target was not reached, or a case of the self-test failed.
 pub const MISSED: u8 = 1;
 /// Bad input or usage.
 pub const USAGE: u8 = 2;
@@ -69,6 +69,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),
+        Error::Overflow { .. } => ("overflow", USAGE),
         Error::NotContractive { .. } => ("not_contractive", USAGE),
         Error::NoDevice { .. } => ("no_device", NO_DEVICE),
         Error::Limit { .. } => ("limit", NO_DEVICE),

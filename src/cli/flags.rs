@@ -1,16 +1,13 @@
 //! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
 
 use super::console::Console;
-use super::{adapters, bake, completions, doctor, man, paper, query, render, sweep};
+use super::{adapters, bake, completions, doctor, explain, man, paper, query, render, selftest, sweep};
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
 /// Flags and commands that are promised but not built, and what to do meanwhile.
-const NOT_BUILT: &[(&str, &str)] = &[
-    ("--effects", "every bake has diffuse light with exact shadows"),
-    ("relight", "bake again with the new lights"),
-    ("explain", "every bake has diffuse light with exact shadows"),
-];
+const NOT_BUILT: &[(&str, &str)] =
+    &[("--effects", "a bake has what `raycell explain` says"), ("relight", "bake again with the new lights")];
 
 /// A refusal that names the first promised but unbuilt flag or command in the arguments.
 pub fn not_built(args: &[OsString]) -> Option<String> {
@@ -38,7 +35,7 @@ Examples:
       All flags of a command, with examples; -h is the short of it.";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 doctor found something, or a target was missed; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
+Exit codes: 0 done; 1 doctor found something, a target was missed, or a case of the self-test; 2 bad input or usage; 3 no usable device; 4 device lost; 130 interrupted.
 wgpu's own variables (WGPU_BACKEND, WGPU_ADAPTER_NAME, ...) are honoured; flags win.";
 
 /// What was built in: a bug report needs it.
@@ -95,6 +92,10 @@ pub enum Command {
     Paper(paper::Flags),
     /// Say what is wrong with a scene: each fault with its object, a number and the cure.
     Doctor(doctor::Flags),
+    /// Say which effects a scene calls for, and why.
+    Explain(explain::Flags),
+    /// Whether this machine's driver computes what is known: closed forms beside what it finds.
+    Selftest(selftest::Flags),
     /// List what raycell can run on, and with which limits.
     Adapters(adapters::Flags),
     /// Manual pages: the main one to stdout, or all of them into a folder.
@@ -153,7 +154,7 @@ mod tests {
     fn promised_flags_are_named() {
         let args = |text: &str| text.split_whitespace().map(OsString::from).collect::<Vec<_>>();
         assert!(not_built(&args("raycell bake a.obj --effects=none")).unwrap().starts_with("--effects is not built yet; "));
-        assert!(not_built(&args("raycell explain a.obj")).unwrap().starts_with("explain"));
+        assert!(not_built(&args("raycell relight a.rcell")).unwrap().starts_with("relight"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());
         assert!(not_built(&args("raycell bake -- --effects")).is_none());

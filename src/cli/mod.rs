@@ -6,12 +6,14 @@ mod completions;
 mod console;
 mod doctor;
 mod exit;
+mod explain;
 mod flags;
 mod log;
 mod man;
 mod paper;
 mod query;
 mod render;
+mod selftest;
 mod shared;
 mod sweep;
 
@@ -70,6 +72,8 @@ fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
         Command::Sweep(flags) => return sweep::run(flags, console),
         Command::Paper(flags) => return paper::run(flags, console),
         Command::Doctor(flags) => doctor::run(flags),
+        Command::Explain(flags) => explain::run(flags),
+        Command::Selftest(flags) => selftest::run(flags, console),
         Command::Adapters(flags) => adapters::run(flags),
         Command::Man(flags) => man::run(flags, console),
         Command::Completions(flags) => completions::run(flags),

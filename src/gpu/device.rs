@@ -83,6 +83,8 @@ pub struct AdapterLine {
     pub info: wgpu::AdapterInfo,
     /// Its limits.
     pub limits: wgpu::Limits,
+    /// What else it offers; raycell needs none of it.
+    pub features: wgpu::Features,
     /// Whether a bake with the same choice would use it.
     pub chosen: bool,
     /// Why it would not be used, if so.
@@ -141,7 +143,7 @@ fn candidates(backends: wgpu::Backends, adapter: Option<&str>) -> Result<Vec<(wg
     let lines = adapters
         .into_iter()
         .map(|adapter| {
-            let (info, limits) = (adapter.get_info(), adapter.limits());
+            let (info, limits, features) = (adapter.get_info(), adapter.limits(), adapter.features());
             let why_not = match (&wanted, lacks(&adapter)) {
                 (Some(w), _) if !info.name.to_lowercase().contains(w) => Some(format!("its name does not contain '{w}'")),
                 (_, Some(why)) => Some(why),
@@ -150,7 +152,7 @@ fn candidates(backends: wgpu::Backends, adapter: Option<&str>) -> Result<Vec<(wg
             };
             let chosen = why_not.is_none();
             found |= chosen;
-            let line = AdapterLine { info, limits, chosen, why_not };
+            let line = AdapterLine { info, limits, features, chosen, why_not };
             (adapter, line)
         })
         .collect();

@@ -1,5 +1,6 @@
 //! The surface network: nodes on live surface points, and each tile's candidates (design §1, step 4).
 
+use super::groups;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{Candidate, NONE, Node, Point};
@@ -211,7 +212,8 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
     }
 }
 
-/// Lists for every tile the nodes that can be among the nearest of any of its points, and looks up from each node.
+/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points, and looks up from
+/// each node.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     surface.nodes.par_iter_mut().for_each(|n| {
         n.clear = closest(
@@ -220,6 +222,21 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
         )
         .t
     });
+    surface.groups = geometry.groups.clone();
+    let rows = match &surface.groups {
+        Some(groups) => groups::candidates(geometry, surface, groups),
+        None => candidates_of_tiles(geometry, surface),
+    };
+    surface.offsets = vec![0];
+    surface.candidates.clear();
+    for row in rows {
+        surface.candidates.extend(row);
+        surface.offsets.push(surface.candidates.len() as u32);
+    }
+}
+
+/// The lists of [`find_candidates`], one each tile.
+fn candidates_of_tiles(geometry: &Geometry, surface: &Surface) -> Vec<Vec<Candidate>> {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
     // Boxes a few node spacings wide hold all that most tiles need.
@@ -230,7 +247,7 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
-    let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
+    (0..geometry.tiles as usize)
         .into_par_iter()
         .map(|tile| {
             let t = geometry.tile_tri[tile];
@@ -270,13 +287,7 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
 
             near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
         })
-        .collect();
-    surface.offsets = vec![0];
-    surface.candidates.clear();
-    for row in rows {
-        surface.candidates.extend(row);
-        surface.offsets.push(surface.candidates.len() as u32);
-    }
+        .collect()
 }
 
 /// Leaves out the nodes that no ray has met, whose light nobody knows: a point near them is better gathered for. Returns
@@ -296,9 +307,9 @@ pub fn leave_out_empty(geometry: &Geometry, surface: &mut Surface, mass: &[f64],
     any
 }
 
-/// Whether so many rays save more by marks than finding them takes.
+/// Whether so many rays save more by marks than finding them takes. Lists that tiles share have none.
 pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
-    rays >= geometry.tiles
+    rays >= geometry.tiles && geometry.groups.is_none()
 }
 
 /// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its

@@ -3,13 +3,13 @@
 use super::nodes::{place_on_tile, tile_corners};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::hash::NumberMap;
 use crate::layout::{DirectSum, Point, Tile, kind};
 use crate::progress::Progress;
 use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::{invert_cdf, seed_of, unit};
 use crate::twin::sobol::sobol4;
-use std::collections::HashMap;
 
 /// Points in flight.
 const BATCH: usize = 65_536;
@@ -19,13 +19,24 @@ pub fn mean(x: &[f64; 3]) -> f64 {
     (x[0] + x[1] + x[2]) / 3.0
 }
 
-/// A random point of every tile.
+/// A random point of every tile; where tiles are in groups, of one tile each group ([`of_tiles`]).
 pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
     let place = |t| {
         let u = sobol4(t, seed);
         place_of_tile(geometry, t, unit(u[0]), unit(u[1]))
     };
-    (0..geometry.tiles).map(place).collect()
+    match &geometry.groups {
+        None => (0..geometry.tiles).map(place).collect(),
+        Some(groups) => groups.tiles().into_iter().map(place).collect(),
+    }
+}
+
+/// What is known at [`places`], for every tile.
+pub fn of_tiles<T: Clone>(geometry: &Geometry, known: Vec<T>) -> Vec<T> {
+    match &geometry.groups {
+        None => known,
+        Some(groups) => groups.of_tile.iter().map(|&g| known[g as usize].clone()).collect(),
+    }
 }
 
 /// `count` points drawn by start densities.
@@ -111,7 +122,7 @@ pub fn node_density<E: Engine>(
 
     // Average over the tiles of one piece that share a box three tiles wide.
     let width = 3.0 * geometry.spacing(TILES as usize);
-    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
+    let mut bins: NumberMap<[i64; 4], (f64, f64)> = NumberMap::default();
     let key = |t: usize| {
         let c = tile_corners(geometry, t as u32);
         let c = (c[0] + c[1] + c[2]) / 3.0;

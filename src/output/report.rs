@@ -22,7 +22,7 @@ pub struct Report {
     pub seed: u32,
     /// All parameters as used.
     pub params: Params,
-    /// Effects considered; null until they are built.
+    /// Effects considered; null where the bake was stopped.
     pub effects: Option<Vec<EffectReport>>,
     /// Cells of the network.
     pub cells: u64,
@@ -236,6 +236,20 @@ pub struct RungReport {
     pub high: f64,
     /// What it is made of.
     pub parts: ErrorParts,
+}
+
+impl Report {
+    /// The report in a bake's folder. Errors: [`Error::Read`], [`Error::Format`].
+    pub fn read(folder: &Path) -> Result<Report> {
+        let path = folder.join("report.json");
+        let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        serde_json::from_str(&text).map_err(|e| Error::Format {
+            path,
+            line: Some(e.line()),
+            what: e.to_string(),
+            cure: "give the folder of a bake by this version".into(),
+        })
+    }
 }
 
 /// Writes a report as JSON. Errors: [`Error::Write`].

@@ -25,6 +25,9 @@ pub struct GpuEngine<'a> {
     surface: SurfaceBuffers,
     light: GpuVec<NodeLight>,
     system: SystemBuffers,
+    /// Whether shadow rays are cast, and how many were.
+    occludes: bool,
+    shadow_rays: u64,
 }
 
 /// Points on the device, with what the passes have found about them.
@@ -53,6 +56,8 @@ impl<'a> GpuEngine<'a> {
             surface: SurfaceBuffers::new(gpu, &Surface::default())?,
             light: gpu.alloc("light", 0)?,
             system: SystemBuffers::new(gpu, &System::default())?,
+            occludes: geometry.occludes && !geometry.emitters.is_empty(),
+            shadow_rays: 0,
         })
     }
 
@@ -165,6 +170,9 @@ impl Engine for GpuEngine<'_> {
             Some(active) => self.gpu.upload("active", active)?,
             None => self.order(batch)?,
         };
+        if self.occludes {
+            self.shadow_rays += active.len() as u64 * u64::from(rounds) * u64::from(samples.emitter);
+        }
         super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
     }
 
@@ -312,6 +320,10 @@ impl Engine for GpuEngine<'_> {
 
     fn compile_seconds(&self) -> f64 {
         self.gpu.compile_seconds().iter().map(|(_, seconds)| seconds).sum()
+    }
+
+    fn shadow_rays(&self) -> u64 {
+        self.shadow_rays
     }
 
     fn device_bytes(&self) -> u64 {

@@ -1,15 +1,17 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::{Scene, cumulative};
+use super::{Obstacle, Scene, cumulative, hierarchy, obstacle};
 use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
+use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
+use crate::network::groups::{self, Groups};
 use crate::params::{Norm, Params};
 use crate::twin::direct::near2;
 use glam::Vec3;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
 pub(crate) const TILES: f64 = 20_000.0;
@@ -29,6 +31,8 @@ const MAX_FLAT_SPLIT: u32 = MAX_SPLIT * MAX_SPLIT;
 pub struct Geometry {
     /// Whether the scene lies in flatland; every pass asks here.
     pub flatland: bool,
+    /// Whether anything may stand between two points that face each other; where nothing can, no shadow ray is cast.
+    pub occludes: bool,
     /// Share of the light that arrives ([`crate::params::Norm`]); the reflectances in `materials` are multiplied by
     /// it, so that no pass need know.
     pub arrives: f64,
@@ -56,6 +60,8 @@ pub struct Geometry {
     pub tiles: u32,
     /// Triangle of each tile.
     pub tile_tri: Vec<u32>,
+    /// Tiles that share lists of nodes, where there are many.
+    pub groups: Option<Arc<Groups>>,
     /// Area that reflects or emits, local.
     pub area: f64,
     /// The length L that features are measured in, local: sqrt(area/6), in flatland length/4; 1 of a unit box.
@@ -78,17 +84,36 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The power of two that brings `x > 0` into (0.5, 1]; near it where that power is beyond f64's.
+/// The power of two that brings `x > 0` into (0.5, 1]; of those that have an inverse the nearest.
 pub(crate) fn power_of_two_for(x: f64) -> f64 {
-    let mut s = 2f64.powi((-x.log2().ceil()).clamp(-1000.0, 1000.0) as i32);
+    const MOST: i32 = 1000;
+    let mut e = (-(x.log2().ceil() as i32)).clamp(-MOST, MOST);
     // log2 may round at the interval's ends.
-    while x * s > 1.0 {
-        s *= 0.5;
+    while x * 2f64.powi(e) > 1.0 && e > -MOST {
+        e -= 1;
     }
-    while x * s <= 0.5 && s < 2f64.powi(1022) {
-        s *= 2.0;
+    while x * 2f64.powi(e) <= 0.5 && e < MOST {
+        e += 1;
     }
-    s
+    2f64.powi(e)
+}
+
+/// Twice the area vector of a triangle, or where a segment's left lies, as long as the segment.
+fn double_normal(flatland: bool, [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let way = sub(b, a);
+    if flatland { [-way[1], way[0], 0.0] } else { cross(way, sub(c, a)) }
+}
+
+/// Whether a face is thinner than rounding of its coordinates: neither its normal nor its area means anything.
+fn is_thin(corners: [[f64; 3]; 3], double_area: f64) -> bool {
+    let longest = [(0, 1), (1, 2), (2, 0)]
+        .map(|(a, b)| {
+            let e = sub(corners[b], corners[a]);
+            dot(e, e)
+        })
+        .into_iter()
+        .fold(0.0, f64::max);
+    double_area <= longest * 1e-9
 }
 
 impl Geometry {
@@ -117,57 +142,60 @@ impl Geometry {
         scene.check()?;
         let empty = || Error::EmptyScene { scene: scene.name.clone() };
 
-        // Bound the vertices that faces use, recentre, and scale by a power of two, all in f64.
+        // Bound the faces that have an area, recentre, and scale by a power of two, all in f64.
+        let flatland = scene.is_flatland();
         let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-        for face in &scene.faces {
-            for &v in &face.vertices {
+        for i in 0..scene.faces.len() {
+            let corners = scene.corners(i);
+            let normal = double_normal(flatland, corners);
+            if is_thin(corners, dot(normal, normal).sqrt()) {
+                continue;
+            }
+            for v in corners {
                 for k in 0..3 {
-                    low[k] = low[k].min(scene.vertices[v as usize][k]);
-                    high[k] = high[k].max(scene.vertices[v as usize][k]);
+                    low[k] = low[k].min(v[k]);
+                    high[k] = high[k].max(v[k]);
                 }
             }
         }
-        let flatland = scene.is_flatland();
         let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
         let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
         if half <= 0.0 || !half.is_finite() {
             return Err(empty());
         }
         let scale = power_of_two_for(half);
-        let local = |v: u32| [0, 1, 2].map(|k| ((scene.vertices[v as usize][k] - center[k]) * scale) as f32);
+        let local = |v: &[f64; 3]| [0, 1, 2].map(|k| (v[k] - center[k]) * scale);
+        let locals: Vec<[f32; 3]> = scene.vertices.iter().map(|v| local(v).map(|x| x as f32)).collect();
+        let places = places(&locals);
 
         // Keep triangles that have an area after the cast, each once.
         let mut kept: Vec<Kept> = Vec::new();
         let (mut degenerate, mut duplicate) = (Vec::new(), Vec::new());
-        let mut seen = HashMap::new();
+        let mut seen: NumberMap<[u32; 3], u32> = NumberMap::default();
+        seen.reserve(scene.faces.len());
         for (i, face) in scene.faces.iter().enumerate() {
-            let corners = face.vertices.map(local);
+            let exact = face.vertices.map(|v| local(&scene.vertices[v as usize]));
+            let corners = face.vertices.map(|v| locals[v as usize]);
             let c = corners.map(|v| v.map(f64::from));
-            // The left of a segment, as long as it; of a triangle twice as long as its area.
-            let way = sub(c[1], c[0]);
-            let normal = if flatland { [-way[1], way[0], 0.0] } else { cross(way, sub(c[2], c[0])) };
+            let normal = double_normal(flatland, c);
             let double_area = dot(normal, normal).sqrt();
-            let longest = [(0, 1), (1, 2), (2, 0)]
-                .iter()
-                .map(|&(a, b)| {
-                    let e = sub(c[b], c[a]);
-                    dot(e, e)
-                })
-                .fold(0.0, f64::max);
-            // Thinner than rounding of the coordinates: neither its normal nor its area means anything.
-            if double_area <= longest * 1e-9 || double_area < 1e-30 {
+            let plane = double_normal(flatland, exact);
+            let exact_area = dot(plane, plane).sqrt();
+            if is_thin(exact, exact_area) || is_thin(c, double_area) || double_area < 1e-30 {
                 degenerate.push(i as u32);
                 continue;
             }
-            match seen.entry(wound(corners)) {
+            let ends = face.vertices.map(|v| places[v as usize]);
+            match seen.entry(wound(ends)) {
                 Entry::Occupied(first) => {
-                    duplicate.push([i as u32, *first.get()]);
+                    duplicate.push([i as u32, kept[*first.get() as usize].face]);
                     continue;
                 }
-                Entry::Vacant(free) => free.insert(i as u32),
+                Entry::Vacant(free) => free.insert(kept.len() as u32),
             };
             let area = if flatland { double_area } else { 0.5 * double_area };
-            kept.push(Kept { face: i as u32, corners, normal: normal.map(|x| x / double_area), area });
+            let (normal, plane) = (normal.map(|x| x / double_area), plane.map(|x| x / exact_area));
+            kept.push(Kept { face: i as u32, corners, ends, exact, normal, plane, area });
         }
         if kept.is_empty() {
             return Err(empty());
@@ -175,14 +203,7 @@ impl Geometry {
 
         // Build the hierarchy and lay triangles out in its leaf order.
         let boxes: Vec<Bounds> = kept.iter().map(|k| Bounds { corners: k.corners, flatland }).collect();
-        let bvh =
-            obvhs::bvh2::builder::build_bvh2(&boxes, obvhs::BvhBuildParams::medium_build(), &mut std::time::Duration::default());
-        let nodes: Vec<BvhNode> = bvh
-            .nodes
-            .iter()
-            .map(|n| BvhNode { min: n.min.to_array(), count: n.prim_count, max: n.max.to_array(), first: n.first_index })
-            .collect();
-        let order: Vec<usize> = bvh.primitive_indices.iter().map(|&i| i as usize).collect();
+        let (nodes, order) = hierarchy::build(&boxes);
 
         // Materials, with the emission brought near 1.
         let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max);
@@ -203,7 +224,8 @@ impl Geometry {
 
         // Number planar pieces, cut live area into tiles.
         let twins = twins(flatland, &kept, &seen);
-        let mut planes = planar_pieces(&kept, &twins, scene);
+        drop(seen);
+        let mut planes = planar_pieces(&kept, &twins, places, scene);
         let pieces = planes.iter().max().map_or(0, |&m| m + 1);
         join_twins(&mut planes, &twins, pieces);
         let material_of = |i: usize| scene.faces[kept[i].face as usize].material;
@@ -212,7 +234,7 @@ impl Geometry {
         let tile_area = area.max(1e-3 * total) / TILES;
         let (mut tris, mut source, mut areas, mut tile_tri) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for &i in &order {
-            let Kept { face, corners, normal, area: tri_area } = kept[i];
+            let Kept { face, corners, normal, area: tri_area, .. } = kept[i];
             let material = material_of(i);
             let split = match (live(material), flatland) {
                 (false, _) => 1,
@@ -257,8 +279,9 @@ impl Geometry {
             .collect();
 
         let lit = area.max(1e-3 * total);
-        Ok(Geometry {
+        let mut geometry = Geometry {
             flatland,
+            occludes: obstacle(scene) != Obstacle::None,
             arrives: 1.0,
             center,
             scale,
@@ -272,12 +295,15 @@ impl Geometry {
             emitter_density: if all > 0.0 { (1.0 / all) as f32 } else { 0.0 },
             tiles: tile_tri.len() as u32,
             tile_tri,
+            groups: None,
             area,
             unit: if flatland { lit / 4.0 } else { (lit / 6.0).sqrt() },
             pieces,
             degenerate,
             duplicate,
-        })
+        };
+        geometry.groups = groups::groups(&geometry).map(Arc::new);
+        Ok(geometry)
     }
 
     /// Area of a tile, local.
@@ -297,6 +323,12 @@ impl Geometry {
     pub fn is_live(&self, tri: usize) -> bool {
         let m = self.material_of(tri);
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
+    }
+
+    /// Whether anything reflects light, and there is some: where not, all light is direct.
+    pub fn reflects(&self) -> bool {
+        let rho = |t: usize| self.material_of(t).rho;
+        !self.emitters.is_empty() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])
     }
 
     /// Of which materials errors are measured: those that reflect and do not shine, whose light is found and not given.
@@ -348,7 +380,13 @@ struct Kept {
     /// Index in [`Scene::faces`].
     face: u32,
     corners: [[f32; 3]; 3],
+    /// Where the corners are, by number: see [`places`].
+    ends: [u32; 3],
+    /// The corners before the cast.
+    exact: [[f64; 3]; 3],
     normal: [f64; 3],
+    /// The normal before the cast, which tells planes apart.
+    plane: [f64; 3],
     area: f64,
 }
 
@@ -367,24 +405,30 @@ impl obvhs::Boundable for Bounds {
     }
 }
 
-/// Corners by which a triangle is known again. The same corners wound the other way are another surface:
-/// they are rotated, not sorted.
-fn wound(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
-    let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
-    let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
-    key.rotate_left(first);
-    key
+/// A number for each vertex's place: vertices of one place have one.
+fn places(vertices: &[[f32; 3]]) -> Vec<u32> {
+    let mut at: NumberMap<[u32; 3], u32> = NumberMap::default();
+    at.reserve(vertices.len());
+    // Adding 0 makes both zeros one.
+    vertices.iter().enumerate().map(|(i, v)| *at.entry(v.map(|x| (x + 0.0).to_bits())).or_insert(i as u32)).collect()
 }
 
-/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the face of
-/// each kept triangle's corners.
-fn twins(flatland: bool, kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
+/// Corners by which a triangle is known again. The same corners wound the other way are another surface:
+/// they are rotated, not sorted.
+fn wound(mut ends: [u32; 3]) -> [u32; 3] {
+    let first = (0..3).min_by_key(|&k| ends[k]).unwrap_or(0);
+    ends.rotate_left(first);
+    ends
+}
+
+/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the triangle of
+/// each three corners.
+fn twins(flatland: bool, kept: &[Kept], seen: &NumberMap<[u32; 3], u32>) -> Vec<u32> {
     let twin = |k: &Kept| {
-        let [a, b, c] = k.corners;
-        let face = seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] }))?;
-        kept.binary_search_by_key(face, |k| k.face).ok()
+        let [a, b, c] = k.ends;
+        seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] })).copied()
     };
-    kept.iter().map(|k| twin(k).map_or(NONE, |t| t as u32)).collect()
+    kept.iter().map(|k| twin(k).unwrap_or(NONE)).collect()
 }
 
 /// Gives both sides of a sheet one number, marked [`TWIN`], so that a ray that leaves one side meets neither.
@@ -398,15 +442,24 @@ fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
     }
 }
 
-/// Groups triangles into planar pieces: grown over shared vertices from the first triangle, whose
+/// Groups triangles into planar pieces, by their corners before the cast (hard case A10): grown over shared vertices from the first triangle, whose
 /// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material, all of them
 /// with a twin or none. Segments of flatland too short for that angle are granted their rounding.
-fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
-    let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
-    let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
+fn planar_pieces(kept: &[Kept], twins: &[u32], places: Vec<u32>, scene: &Scene) -> Vec<u32> {
+    // The triangles around each place, one list after the other.
+    let mut starts = vec![0u32; places.len() + 1];
+    for end in kept.iter().flat_map(|k| k.ends) {
+        starts[end as usize + 1] += 1;
+    }
+    for i in 0..places.len() {
+        starts[i + 1] += starts[i];
+    }
+    let (mut around, mut next) = (vec![0u32; 3 * kept.len()], places);
+    next.copy_from_slice(&starts[..starts.len() - 1]);
     for (i, k) in kept.iter().enumerate() {
-        for v in &k.corners {
-            at.entry(key(*v)).or_default().push(i as u32);
+        for end in k.ends {
+            around[next[end as usize] as usize] = i as u32;
+            next[end as usize] += 1;
         }
     }
     let flatland = scene.is_flatland();
@@ -417,25 +470,27 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
         if plane[i] != NONE {
             continue;
         }
-        let Kept { face, corners, normal, area } = kept[i];
+        let Kept { face, exact, plane: normal, area, .. } = kept[i];
         let material = scene.faces[face as usize].material;
-        let origin = corners[0].map(f64::from);
+        let origin = exact[0];
         plane[i] = pieces;
         stack.push(i);
         while let Some(t) = stack.pop() {
-            for v in kept[t].corners {
-                for &o in &at[&key(v)] {
+            for end in kept[t].ends {
+                for &o in &around[starts[end as usize] as usize..starts[end as usize + 1] as usize] {
+                    if plane[o as usize] != NONE {
+                        continue;
+                    }
                     let other = &kept[o as usize];
                     // Rounding turns a short segment by this angle, and the line that it tells.
                     let turned = if flatland { 2e-7 / other.area.min(area) } else { 0.0 };
-                    let level = other.corners.iter().all(|c| {
-                        let off = sub(c.map(f64::from), origin);
+                    let level = other.exact.iter().all(|&c| {
+                        let off = sub(c, origin);
                         dot(off, normal).abs() < 1e-6 + turned * dot(off, off).sqrt()
                     });
-                    if plane[o as usize] == NONE
-                        && (twins[o as usize] == NONE) == (twins[i] == NONE)
+                    if (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
-                        && dot(other.normal, normal) > 1.0 - 1e-8 - turned * turned
+                        && dot(other.plane, normal) > 1.0 - 1e-8 - turned * turned
                         && level
                     {
                         plane[o as usize] = pieces;

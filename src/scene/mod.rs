@@ -1,9 +1,11 @@
 //! What is to be lit: triangles, materials, and their preparation for the passes. No wgpu here.
 
+mod convex;
 mod distribution;
 mod extruded;
 mod geometry;
 mod gltf;
+mod hierarchy;
 mod load;
 mod mtl;
 mod obj;
@@ -17,12 +19,14 @@ mod toml;
 mod transform;
 mod unread;
 
+pub(crate) use convex::{Obstacle, obstacle};
 #[doc(hidden)]
 pub use distribution::cumulative;
 pub(crate) use extruded::wall;
 #[doc(hidden)]
 pub use geometry::Geometry;
 pub(crate) use geometry::{TILES, power_of_two_for};
+pub(crate) use hierarchy::depth;
 pub use load::{KdSpace, LoadOptions, Up};
 #[doc(hidden)]
 pub use surface::Located;
@@ -48,7 +52,7 @@ impl Material {
         Material { name: name.into(), reflectance, emission }
     }
 
-    /// Checks that it can be lit: reflectances in [0, 1), emissions finite and >= 0.
+    /// Checks that it can be lit: reflectances in [0, 1), emissions >= 0 that 32-bit floats hold.
     ///
     /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
     pub fn check(&self) -> Result<()> {
@@ -58,10 +62,12 @@ impl Material {
     fn check_at(&self, place: &str) -> Result<()> {
         for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
             let (place, material) = (place.to_string(), self.name.clone());
-            if !(0.0..1.0).contains(&self.reflectance[k]) {
+            // Also as the passes see it: 1 - 1e-9 is 1 in 32 bits.
+            let rho = self.reflectance[k];
+            if !((0.0..1.0).contains(&rho) && (rho as f32) < 1.0) {
                 return Err(Error::InvalidReflectance { place, material, band, value: self.reflectance[k] });
             }
-            if !(self.emission[k].is_finite() && self.emission[k] >= 0.0) {
+            if !(0.0..=f64::from(f32::MAX)).contains(&self.emission[k]) {
                 return Err(Error::InvalidEmission { place, material, band, value: self.emission[k] });
             }
         }
@@ -81,6 +87,12 @@ pub enum Space {
         /// How high pictures and meshes draw the segments' walls, metres.
         height: f64,
     },
+}
+
+/// Whether a place is one that 32-bit floats hold: files are written in them, and what is beyond is a mistake. Its areas
+/// and volumes are then finite, too.
+pub(crate) fn fits(place: &[f64; 3]) -> bool {
+    place.iter().all(|&x| (x as f32).is_finite())
 }
 
 /// A triangle of a scene: vertex indices, material and object.
@@ -172,7 +184,8 @@ impl Scene {
         0.5 * side(0).max(side(1))
     }
 
-    /// Checks that the scene can be lit: finite vertices, indices in range, reflectances in [0, 1), emissions finite and >= 0.
+    /// Checks that the scene can be lit: vertices and emissions that 32-bit floats hold, indices in range, reflectances
+    /// in [0, 1), emissions >= 0.
     ///
     /// Errors: [`Error::EmptyScene`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`],
     /// [`Error::InvalidReflectance`], [`Error::InvalidEmission`]; [`Error::NotFlat`] for a flatland scene whose faces
@@ -182,7 +195,7 @@ impl Scene {
             return Err(Error::EmptyScene { scene: self.name.clone() });
         }
         for (index, &value) in self.vertices.iter().enumerate() {
-            if !value.iter().all(|c| c.is_finite()) {
+            if !fits(&value) {
                 return Err(Error::InvalidVertex { place: self.name.clone(), index, value });
             }
         }

@@ -136,7 +136,8 @@ impl Library {
 
 /// Lowers a reflectance of 1, which exporters write for "white", with a warning; anything else is left alone.
 pub fn not_quite_one(rho: [f64; 3], material: &str, place: &str, warnings: &mut Vec<String>) -> [f64; 3] {
-    let one = |x: &f64| (1.0..=ONE).contains(x);
+    // What 32 bits round to 1 is 1.
+    let one = |x: &f64| *x as f32 >= 1.0 && *x <= ONE;
     if rho.iter().any(one) {
         warnings.push(format!(
             "{place}: material '{material}' reflects everything (1), which no surface does, and is taken for {NEARLY_ONE}; \

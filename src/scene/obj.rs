@@ -9,7 +9,7 @@ use super::mtl::Library;
 use super::polygon::{Cut, cut};
 use super::text::{Statements, bad, decode, name, split, words};
 use super::unread::Unread;
-use super::{Face, Scene};
+use super::{Face, Scene, fits};
 use crate::error::{Error, Result};
 use crate::progress::Event;
 use std::collections::HashMap;
@@ -45,7 +45,7 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
         match split(&statement) {
             ("v", rest) => {
                 let value = position(rest).ok_or_else(|| bad(path, line, &statement, "three numbers"))?;
-                if !value.iter().all(|x| x.is_finite()) {
+                if !fits(&value) {
                     return Err(Error::InvalidVertex { place: place(line), index: scene.vertices.len(), value });
                 }
                 scene.vertices.push(value);

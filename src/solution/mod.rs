@@ -176,6 +176,9 @@ impl Solution {
             shade(engine, params, s.spacing(), points, progress)
         }
         let mut progress = Progress::new(tell);
+        // Where nothing reflects there is nothing to gather.
+        let dark = Params { gather_rays: 0, ..params.clone() };
+        let params = if self.geometry.reflects() { params } else { &dark };
         match backend {
             Backend::Cpu => on(self, &mut TwinEngine::new(&self.geometry), params, points, &mut progress),
             Backend::Gpu(gpu) => on(self, &mut GpuEngine::new(gpu, &self.geometry)?, params, points, &mut progress),
@@ -222,5 +225,13 @@ impl Solution {
         }
         let status = if shade.covered { Status::Covered } else { Status::Ok };
         Ok(Answer { status, b, h, d: shade.direct.map(|x| x * unscale) })
+    }
+}
+
+/// Numbers of a mesh or a picture. Errors: [`Error::Overflow`] rather than infinity.
+fn narrow(wide: [f64; 3], what: impl Fn() -> String) -> Result<[f32; 3]> {
+    match wide.into_iter().find(|&x| (x as f32).is_infinite()) {
+        Some(value) => Err(Error::Overflow { what: what(), value }),
+        None => Ok(wide.map(|x| x as f32)),
     }
 }

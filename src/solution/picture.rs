@@ -1,6 +1,6 @@
 //! Pictures of a solution: rays from a pinhole camera, and light where they land.
 
-use super::Solution;
+use super::{Solution, narrow};
 use crate::engine::Backend;
 use crate::error::{Error, Result};
 use crate::layout::{NONE, Point};
@@ -128,7 +128,8 @@ impl Solution {
     /// seen as walls, [`crate::scene::Space`], that have the light of their foot all the way up.
     ///
     /// Direct light and final gathers take fewer samples than in [`Solution::query`]. Errors:
-    /// [`Error::InvalidParam`] for a camera that cannot be; those of the device; [`Error::NotFinite`].
+    /// [`Error::InvalidParam`] for a camera that cannot be; those of the device; [`Error::NotFinite`];
+    /// [`Error::Overflow`].
     pub fn render(&self, backend: &Backend, camera: &Camera) -> Result<Image> {
         self.render_with(backend, camera, &mut |_| Flow::Continue)
     }
@@ -151,9 +152,8 @@ impl Solution {
             .enumerate()
             .map(|(i, hit)| match hit.as_ref().zip(if hit.is_some() { shades.next() } else { None }) {
                 Some((point, shade)) => {
-                    let answer =
-                        self.answer(point, &shade, || format!("pixel {},{}", i as u32 % camera.width, i as u32 / camera.width))?;
-                    Ok(answer.b.map(|b| (b / PI) as f32))
+                    let what = || format!("the light at pixel {},{}", i as u32 % camera.width, i as u32 / camera.width);
+                    narrow(self.answer(point, &shade, what)?.b.map(|b| b / PI), what)
                 }
                 None => Ok([0.0; 3]),
             })

@@ -1,6 +1,6 @@
 //! Light at the scene's vertices, for meshes with vertex colours.
 
-use super::Solution;
+use super::{Solution, narrow};
 use crate::engine::Backend;
 use crate::error::Result;
 use crate::layout::Point;
@@ -32,7 +32,7 @@ impl Solution {
     /// (to a degree). Triangles that were dropped (no area, duplicates) are left out. A flatland scene's segments become
     /// walls, lit as their foot is.
     ///
-    /// Errors: those of the device; [`crate::Error::NotFinite`].
+    /// Errors: those of the device; [`crate::Error::NotFinite`]; [`crate::Error::Overflow`].
     pub fn vertices(&self, backend: &Backend) -> Result<Mesh> {
         self.vertices_with(backend, &mut |_| Flow::Continue)
     }
@@ -75,9 +75,9 @@ impl Solution {
             .iter()
             .zip(points.iter().zip(&shades))
             .map(|(c, (point, shade))| {
-                let answer = self.answer(point, shade, || format!("the light at vertex {}", c.vertex))?;
-                let p = self.scene.vertices[c.vertex as usize];
-                Ok(Vertex { p, n: c.normal.to_array(), b: answer.b.map(|b| b as f32) })
+                let what = || format!("the light at vertex {}", c.vertex);
+                let b = narrow(self.answer(point, shade, what)?.b, what)?;
+                Ok(Vertex { p: self.scene.vertices[c.vertex as usize], n: c.normal.to_array(), b })
             })
             .collect::<Result<_>>()?;
         Ok(Mesh { vertices, ..mesh })

@@ -2,9 +2,11 @@
 
 use super::trace::{Ray, closest, segment_blocked};
 use crate::layout::{Candidate, NONE, Node, Point, Psi};
+use crate::network::groups::Groups;
 use crate::scene::Geometry;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Nearest candidates that are looked at.
 pub const NEAREST: usize = 9;
@@ -23,14 +25,16 @@ const FLOOR: f32 = 2e-6;
 /// A surface network as the passes read it: nodes, and each tile's candidates in CSR form.
 ///
 /// A tile's list holds every node of its material and cone that can be among the nearest nine of any
-/// point of the tile, so that the search over the list is exact.
+/// point of the tile, so that the search over the list is exact. So does a list that tiles share, and others beside.
 #[derive(Clone, Debug, Default)]
 pub struct Surface {
     /// Nodes.
     pub nodes: Vec<Node>,
-    /// Start of each tile's candidates; one more entry than tiles.
+    /// Groups of tiles that share a list, where there are many; else each has its own.
+    pub groups: Option<Arc<Groups>>,
+    /// Start of each list of candidates; one more entry than lists.
     pub offsets: Vec<u32>,
-    /// Candidates of all tiles.
+    /// Candidates of all lists.
     pub candidates: Vec<Candidate>,
     /// 1/L, per local length.
     pub inv_unit: f32,
@@ -72,11 +76,14 @@ pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
 
     // Keep the nearest candidates in order; the earlier of two equals comes first.
     let mut near = [(f32::MAX, Candidate { node: NONE, free: 0 }); NEAREST];
-    for c in surface.offsets[point.tile as usize]..surface.offsets[point.tile as usize + 1] {
-        let mut item = (
-            distance2(surface, p, n, &surface.nodes[surface.candidates[c as usize].node as usize]),
-            surface.candidates[c as usize],
-        );
+    let list = surface.groups.as_ref().map_or(point.tile, |groups| groups.of_tile[point.tile as usize]) as usize;
+    for c in surface.offsets[list]..surface.offsets[list + 1] {
+        // A list of several tiles holds nodes of other cones, too.
+        let node = &surface.nodes[surface.candidates[c as usize].node as usize];
+        if surface.groups.is_some() && n.dot(Vec3::from(node.n)) <= CONE {
+            continue;
+        }
+        let mut item = (distance2(surface, p, n, node), surface.candidates[c as usize]);
         for slot in near.iter_mut() {
             if item.0 < slot.0 {
                 std::mem::swap(&mut item, slot);

@@ -26,6 +26,61 @@ pub struct Samples {
 
 /// What one sample (u, v) of the emitters' area brings to a surface point, beside cosine directions: E G / (n_e p + n_c G).
 pub fn from_emitter(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: Samples) -> Vec3 {
+    match unshadowed(geometry, tri, p, u, v, samples) {
+        Some(lit) if !lit.blocked(geometry, tri, p) => lit.light,
+        _ => Vec3::ZERO,
+    }
+}
+
+/// What several samples of the emitters' area bring together, for one shadow ray: `samples.emitter` of them, spread evenly
+/// from (u, v) on, of which `pick` chooses one by what each would bring if nothing stood between, and whether it is seen
+/// decides for all (resampling; Talbot et al. 2005). The mean is that of as many calls of [`from_emitter`].
+pub(crate) fn from_emitters(geometry: &Geometry, tri: u32, p: Vec3, [u, v]: [u32; 2], pick: f32, samples: Samples) -> Vec3 {
+    let step = (u32::MAX / samples.emitter.max(1)).wrapping_add(1);
+    let (mut sum, mut chosen) = (0.0, None);
+    let mut left = pick;
+    for k in 0..samples.emitter {
+        let (u, v) = (u.wrapping_add(k.wrapping_mul(step)), v.wrapping_add(k.wrapping_mul(GOLDEN)));
+        let Some(lit) = unshadowed(geometry, tri, p, u, v, samples) else { continue };
+        let brings = lit.light.element_sum();
+        if brings <= 0.0 {
+            continue;
+        }
+        sum += brings;
+        // One random number serves all choices: what is left of it is uniform again.
+        let share = brings / sum;
+        if left < share {
+            left /= share;
+            chosen = Some((lit, brings));
+        } else {
+            left = (left - share) / (1.0 - share);
+        }
+    }
+    match chosen {
+        Some((lit, brings)) if !lit.blocked(geometry, tri, p) => lit.light * (sum / brings),
+        _ => Vec3::ZERO,
+    }
+}
+
+/// 2^32 over the golden ratio: multiples of it are spread evenly.
+const GOLDEN: u32 = 0x9e37_79b9;
+
+/// A sample of the emitters' area that may light a point.
+struct Lit {
+    /// What it brings if nothing stands between.
+    light: Vec3,
+    x: Vec3,
+    plane: u32,
+}
+
+impl Lit {
+    fn blocked(&self, geometry: &Geometry, tri: u32, p: Vec3) -> bool {
+        segment_blocked(geometry, p, self.x, [geometry.tris[tri as usize].plane, self.plane])
+    }
+}
+
+/// The sample (u, v) of the emitters' area, if it and the point face each other.
+fn unshadowed(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: Samples) -> Option<Lit> {
     let here = &geometry.tris[tri as usize];
     let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u);
     let emitter = geometry.emitters[e as usize];
@@ -33,11 +88,12 @@ pub fn from_emitter(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samp
     let (b1, b2) = place_on(geometry.flatland, place, unit(v));
     let x = position(geometry.flatland, there, b1, b2);
     let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, Vec3::from(here.normal));
-    if g > 0.0 && there.plane != here.plane && !segment_blocked(geometry, p, x, [here.plane, there.plane]) {
+    if g > 0.0 && there.plane != here.plane {
         let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
-        return Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
+        let light = Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
+        return Some(Lit { light, x, plane: there.plane });
     }
-    Vec3::ZERO
+    None
 }
 
 /// What a cosine direction from a point of normal `n` brings straight from the front face that it meets, beside samples

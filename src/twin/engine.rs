@@ -19,6 +19,7 @@ pub struct TwinEngine<'a> {
     surface: Surface,
     light: Vec<NodeLight>,
     system: System,
+    shadow_rays: u64,
 }
 
 /// Points in host memory, with what the passes have found about them.
@@ -35,7 +36,7 @@ pub struct TwinBatch {
 impl<'a> TwinEngine<'a> {
     /// A machine for one prepared scene.
     pub fn new(geometry: &'a Geometry) -> TwinEngine<'a> {
-        TwinEngine { geometry, surface: Surface::default(), light: Vec::new(), system: System::default() }
+        TwinEngine { geometry, surface: Surface::default(), light: Vec::new(), system: System::default(), shadow_rays: 0 }
     }
 }
 
@@ -83,6 +84,10 @@ impl Engine for TwinEngine<'_> {
     ) -> Result<()> {
         batch.direct.resize(batch.points.len(), DirectSum::default());
         let all: Vec<u32> = (0..batch.points.len() as u32).collect();
+        if self.geometry.occludes && !self.geometry.emitters.is_empty() {
+            let points = active.map_or(all.len(), <[u32]>::len);
+            self.shadow_rays += points as u64 * u64::from(rounds) * u64::from(samples.emitter);
+        }
         super::direct::direct(
             self.geometry,
             &batch.points,
@@ -238,6 +243,10 @@ impl Engine for TwinEngine<'_> {
 
     fn compile_seconds(&self) -> f64 {
         0.0
+    }
+
+    fn shadow_rays(&self) -> u64 {
+        self.shadow_rays
     }
 
     fn device_bytes(&self) -> u64 {

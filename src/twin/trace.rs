@@ -203,9 +203,9 @@ pub fn occluded(geometry: &Geometry, ray: &Ray) -> bool {
     walk(geometry, ray, true).tri != NONE
 }
 
-/// Whether the open segment from `a` to `b` is blocked, `skip` apart.
+/// Whether the open segment from `a` to `b` is blocked, `skip` apart; in a convex scene none can be.
 pub fn segment_blocked(geometry: &Geometry, a: Vec3, b: Vec3, skip: [u32; 2]) -> bool {
-    occluded(geometry, &Ray { origin: a, direction: b - a, t_max: 1.0, skip })
+    geometry.occludes && occluded(geometry, &Ray { origin: a, direction: b - a, t_max: 1.0, skip })
 }
 
 /// The tile of a triangle that holds barycentric coordinates (b1, b2). Rows run along b1; row i has

@@ -8,6 +8,9 @@ const FRONT = 1u; // both ends on front faces
 const SKY = 2u; // the ray left the scene
 const BACK = 3u; // the ray ended on a back face
 
+// Texels in a row, and rows in a layer, of records that are paged.
+const ROW = 2048u;
+
 const TWIN = 0x80000000u; // bit of a triangle's plane: its mirror image is there too
 
 struct BvhNode {

@@ -8,7 +8,7 @@ mod materials;
 use super::load::Reader;
 use super::transform::{self, From};
 use super::unread::Unread;
-use super::{Face, Scene, View};
+use super::{Face, Scene, View, fits};
 use crate::error::{Error, Result};
 use crate::progress::Event;
 use crate::scene::sides;
@@ -171,8 +171,7 @@ impl Read<'_> {
             self.mesh(n, node, reader)?;
             self.camera(n, node);
             transform::apply(&mut self.scene, from, matrix);
-            let finite = |v: &[f64; 3]| v.iter().all(|c| c.is_finite());
-            if let Some(i) = self.scene.vertices[from.vertices..].iter().position(|v| !finite(v)) {
+            if let Some(i) = self.scene.vertices[from.vertices..].iter().position(|v| !fits(v)) {
                 let place = format!("{}: nodes[{n}]", self.path.display());
                 return Err(Error::InvalidVertex { place, index: i, value: self.scene.vertices[from.vertices + i] });
             }

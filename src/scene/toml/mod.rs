@@ -8,7 +8,7 @@ use super::polygon::{Cut, cut};
 use super::text::decode;
 use super::transform::{self, From};
 use super::unread::Unread;
-use super::{Face, Material, Scene, Space, View, gltf, obj, sides};
+use super::{Face, Material, Scene, Space, View, fits, gltf, obj, sides};
 use crate::error::{Error, Result};
 use crate::solution;
 use document::{Document, Side};
@@ -121,7 +121,7 @@ impl Place<'_> {
 
     /// Checks that the vertices from `first` on are numbers.
     fn finite(&self, span: Range<usize>, kind: &str, name: &str, scene: &Scene, first: usize) -> Result<()> {
-        match scene.vertices[first..].iter().position(|v| !v.iter().all(|c| c.is_finite())) {
+        match scene.vertices[first..].iter().position(|v| !fits(v)) {
             Some(index) => Err(Error::InvalidVertex {
                 place: format!("{}: {kind} '{name}'", self.name(span)),
                 index,

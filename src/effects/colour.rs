@@ -1,0 +1,26 @@
+//! Colour: whether the bands differ.
+
+use super::{Name, percent, told};
+use crate::output::report::EffectReport;
+use crate::scene::{Material, Scene};
+
+/// Largest difference between two bands, over their largest value.
+fn spread(bands: [f64; 3]) -> f64 {
+    let (low, high) = bands.iter().fold((f64::MAX, 0.0f64), |(l, h), &x| (l.min(x), h.max(x)));
+    if high > 0.0 { (high - low) / high } else { 0.0 }
+}
+
+/// The effect.
+pub(super) fn colour(scene: &Scene) -> EffectReport {
+    let used = |m: usize| scene.faces.iter().any(|f| f.material as usize == m);
+    let of = |m: &Material| spread(m.reflectance).max(spread(m.emission));
+    let most =
+        (0..scene.materials.len()).filter(|&m| used(m)).map(|m| &scene.materials[m]).max_by(|a, b| of(a).total_cmp(&of(b)));
+    match most.filter(|m| of(m) > 0.0) {
+        Some(m) => {
+            let why = format!("bands differ by up to {} ('{}')", percent(of(m)), m.name);
+            told(Name::Colour, true, why, "three bands in every sum; geometry and rays are shared")
+        }
+        None => told(Name::Colour, false, "all is grey: the three bands are one".into(), "two bands that repeat the first"),
+    }
+}

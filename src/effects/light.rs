@@ -1,0 +1,127 @@
+//! A first look at a scene's light: paths of the plain-Rust twins.
+
+use crate::layout::kind;
+use crate::network::tiles;
+use crate::scene::Geometry;
+use crate::twin::direct::{Samples, from_emitter, round};
+use crate::twin::emit::first_hit;
+use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
+use crate::twin::sobol::sobol4;
+use crate::twin::trace::{place_on, position, segment_blocked};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Paths, each from a point of its own.
+const PATHS: u32 = 2_048;
+/// Most reflections of a path.
+const BOUNCES: usize = 64;
+/// Samples of direct light at a path's ends.
+const END: Samples = Samples { emitter: 2, cosine: 1 };
+/// Light that may be left when reflections are counted no further.
+const LEFT: f64 = 1e-3;
+/// Their seed: the look is not part of a bake.
+const SEED: u32 = 0x100c;
+
+/// What was seen.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Look {
+    /// Share of the lines of sight to emitters that is blocked, of those that would carry light.
+    pub blocked: f64,
+    /// Number of those lines.
+    pub lines: u32,
+    /// Share of the arriving light that has been reflected before.
+    pub reflected: f64,
+    /// Reflections after which less than a thousandth of the arriving light is still to come.
+    pub bounces: usize,
+}
+
+/// What one path finds.
+struct Path {
+    /// Whether a line to an emitter would carry light, and whether it is blocked.
+    line: Option<bool>,
+    /// Light that arrives after so many reflections, mean over the bands.
+    light: [f32; BOUNCES + 1],
+}
+
+impl Look {
+    /// Looks at a scene.
+    pub fn at(geometry: &Geometry) -> Look {
+        if geometry.emitters.is_empty() || geometry.area <= 0.0 {
+            return Look::default();
+        }
+        let starts = tiles::starts(geometry, &vec![0.0; geometry.tiles as usize], 0.0);
+        let points = tiles::drawn(geometry, &starts, SEED, PATHS);
+        let paths: Vec<Path> =
+            points.par_iter().enumerate().map(|(i, p)| path(geometry, p.tri, Vec3::from(p.p), i as u32)).collect();
+        let lines = paths.iter().filter_map(|p| p.line);
+        let (count, blocked) = lines.fold((0, 0), |(n, b), is| (n + 1, b + u32::from(is)));
+        // In a fixed order: the same words every time.
+        let sum = |n: usize| paths.iter().map(|p| f64::from(p.light[n])).sum::<f64>();
+        let by_bounce: Vec<f64> = (0..=BOUNCES).map(sum).collect();
+        let all: f64 = by_bounce.iter().sum();
+        if all <= 0.0 {
+            return Look { blocked: f64::from(blocked) / f64::from(count.max(1)), lines: count, ..Look::default() };
+        }
+        let mut left = all;
+        let bounces = by_bounce.iter().position(|light| {
+            left -= light;
+            left < LEFT * all
+        });
+        Look {
+            blocked: f64::from(blocked) / f64::from(count.max(1)),
+            lines: count,
+            reflected: 1.0 - by_bounce[0] / all,
+            bounces: bounces.unwrap_or(BOUNCES),
+        }
+    }
+}
+
+fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
+    let mean = |v: Vec3| (v.x + v.y + v.z) / 3.0;
+    let line = line(geometry, tri, p, sobol4(i, seed_of(SEED, 1)));
+    let mut light = [0.0; BOUNCES + 1];
+    light[0] = mean(round(geometry, tri, p, seed_of(SEED, i), 0, END));
+    let mut through = Vec3::ONE;
+    for (n, arrived) in light.iter_mut().enumerate().skip(1) {
+        let u = sobol4(i, seed_of(SEED, 2 * n as u32));
+        let direction =
+            cosine_direction(geometry.flatland, Vec3::from(geometry.tris[tri as usize].normal), unit(u[0]), unit(u[1]));
+        let (met, hit) = first_hit(geometry, tri, p, direction);
+        if met != kind::FRONT {
+            break;
+        }
+        let there = &geometry.tris[hit.tri as usize];
+        through *= Vec3::from(geometry.materials[there.material as usize].rho);
+        if through == Vec3::ZERO {
+            break;
+        }
+        (tri, p) = (hit.tri, position(geometry.flatland, there, hit.b1, hit.b2));
+        let u = sobol4(i, seed_of(SEED, 2 * n as u32 + 1));
+        *arrived = mean(through * direct(geometry, tri, p, u));
+    }
+    Path { line, light }
+}
+
+/// Direct light at a path's later ends: one sample of the emitters, and one direction.
+fn direct(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Vec3 {
+    let one = Samples { emitter: 1, cosine: 1 };
+    let n = Vec3::from(geometry.tris[tri as usize].normal);
+    let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
+    let mut light = from_emitter(geometry, tri, p, u[0], u[1], one);
+    let (met, hit) = first_hit(geometry, tri, p, direction);
+    if met == kind::FRONT {
+        light += crate::twin::direct::from_direction(geometry, n, direction, &hit, one);
+    }
+    light
+}
+
+/// Whether something stands between a point and a place on an emitter that face each other; none where they do not.
+fn line(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Option<bool> {
+    let here = &geometry.tris[tri as usize];
+    let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
+    let there = &geometry.tris[geometry.emitters[e as usize].tri as usize];
+    let (b1, b2) = place_on(geometry.flatland, place, unit(u[1]));
+    let x = position(geometry.flatland, there, b1, b2);
+    let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, Vec3::from(here.normal));
+    (g > 0.0 && there.plane != here.plane).then(|| segment_blocked(geometry, p, x, [here.plane, there.plane]))
+}

@@ -1,0 +1,25 @@
+//! Occlusion: what stands in the way, or the proof that nothing can.
+
+use super::light::Look;
+use super::{Name, percent, told};
+use crate::output::report::EffectReport;
+use crate::scene::{Obstacle, Scene, obstacle};
+
+/// The effect.
+pub(super) fn occlusion(scene: &Scene, look: &Look) -> EffectReport {
+    let found = obstacle(scene);
+    if found == Obstacle::None {
+        let why = "the scene is convex: no surface lies behind another's plane, so nothing can stand in light's way";
+        return told(Name::Occlusion, false, why.into(), "nothing: no shadow ray is cast");
+    }
+    let object = match found {
+        Obstacle::Behind(face) => scene.objects.get(scene.faces[face as usize].object as usize).map(String::as_str),
+        _ => None,
+    };
+    let first = object.filter(|name| !name.is_empty()).map_or(String::new(), |name| format!(" (see '{name}')"));
+    let why = match look.blocked {
+        0.0 => format!("the scene is not convex{first}, though of {} lines of sight to emitters none was blocked", look.lines),
+        share => format!("the scene is not convex{first}: {} of the lines of sight to emitters are blocked", percent(share)),
+    };
+    told(Name::Occlusion, true, why, "a walk through the hierarchy for every shadow ray")
+}
