@@ -101,46 +101,34 @@ fn all_hulls_lose_no_ray_on_the_device() {
     rows_sum_to_one(0..1000, 65_536, Some(&gpu));
 }
 
-/// Kirchhoff in hulls: each side of one of four reflectances, emission 1 - rho. The largest error at the middle of a side that
-/// nodes speak for, and of all sides.
-fn kirchhoff(gpu: &std::sync::Arc<raycell::gpu::Gpu>, i: u64) -> [f64; 2] {
+/// Kirchhoff in hulls: each side of one of four reflectances, emission 1 - rho. The errors at the sides' middles.
+fn kirchhoff(gpu: &std::sync::Arc<raycell::gpu::Gpu>, i: u64) -> Vec<f64> {
     let mut dice = Dice(i);
     let t: Triangles = hull_number(i).into_iter().map(|(c, _)| (c, dice.below(4) as u32)).collect();
     let materials = [0.2, 0.5, 0.7, 0.9].map(|rho| grey(rho, 1.0 - rho)).to_vec();
     let params = Params { nodes: Some(200), direct_samples: 2048, ..by_nodes(2048) };
-    let solution = solve(gpu, &scene(&t, materials), &params);
-    // The smallest sides have no node of their own material in sight: a gather's rays answer there.
-    let answers = ask(gpu, &solution, &middles(&t), 2.0);
-    let g = solution.geometry();
-    let spoken = |f: usize| {
-        let tri = &g.tris[g.source.iter().position(|&s| s as usize == f).unwrap()];
-        solution.nodes().iter().any(|n| n.plane == tri.plane && n.gain > 0.0)
-    };
-    let mut most = [0.0f64; 2];
-    for (f, a) in answers.iter().enumerate() {
-        let error = (a.b[1] - 1.0).abs();
-        most[1] = most[1].max(error);
-        if spoken(f) {
-            most[0] = most[0].max(error);
-        }
-    }
-    most
+    let answers = ask(gpu, &solve(gpu, &scene(&t, materials), &params), &middles(&t), 2.0);
+    answers.iter().map(|a| (a.b[1] - 1.0).abs()).collect()
 }
 
 fn hulls_are_isothermal_in(hulls: std::ops::Range<u64>) {
     let Some(gpu) = gpu() else { return };
-    let mut worst = [0.0f64; 2];
-    let mut failed = Vec::new();
+    let (mut all, mut off, mut most, mut failed) = (0, 0, 0.0f64, Vec::new());
     for i in hulls.clone() {
-        let error = kirchhoff(&gpu, i);
-        // Where only a gather of 1,024 rays speaks its scatter is left, some 0.2/32 of the light.
-        if error[0] > 1e-3 || error[1] > 0.05 {
-            failed.push((i, error));
+        let errors = kirchhoff(&gpu, i);
+        let worst = errors.iter().fold(0.0, |a: f64, &b| a.max(b));
+        all += errors.len();
+        off += errors.iter().filter(|e| **e > 1e-3).count();
+        most = most.max(worst);
+        // The smallest sides have no node that a ray has met: a gather of 1,024 rays answers there, whose reflectances scatter
+        // by .2/32 and a little more.
+        if worst > 0.03 {
+            failed.push((i, worst));
         }
-        worst = [0, 1].map(|k| worst[k].max(error[k]));
     }
-    eprintln!("{} hulls: off by {:.1e} where nodes are, {:.1e} elsewhere", hulls.count(), worst[0], worst[1]);
+    eprintln!("{} hulls: {off} of {all} sides off by more than 1e-3, {most:.1e} at most", hulls.count());
     assert!(failed.is_empty(), "{failed:?}");
+    assert!(off <= all / 50, "{off} of {all}");
 }
 
 #[test]
