@@ -110,7 +110,7 @@ fn records_match() {
         ("Emitter", layout!(layout::Emitter { tri, cdf, density, near2 })),
         ("Tile", layout!(layout::Tile { cdf, density })),
         ("Point", layout!(layout::Point { p, tri, tile, kind, weight, density })),
-        ("Node", layout!(layout::Node { p, material, n, plane, mean, pad0 })),
+        ("Node", layout!(layout::Node { p, material, n, plane, mean, gain, clear })),
         ("Psi", layout!(layout::Psi { node, weight })),
         ("NodeLight", layout!(layout::NodeLight { h, pad0, g0, pad1, g1, pad2 })),
         ("Candidate", layout!(layout::Candidate { node, free })),

@@ -50,7 +50,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             let node = psi[d].node[k];
             let t = tangents(nodes[node].n);
             let e = y.p - nodes[node].p;
-            let v = (y.weight * params.normalise) * weight;
+            let v = ((y.weight * params.normalise) * weight) * nodes[node].gain;
             let s = v * sent;
             let at = WORDS * node;
             add_sum3(at, s, POWER);

@@ -16,7 +16,7 @@ use crate::network::nodes;
 use crate::network::tiles::{self, Looks, mean};
 use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
-use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::components::{Components, Peaks, Splitter};
 use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
@@ -338,13 +338,16 @@ fn network<E: Engine>(
             saved.keep(progress)?;
         }
 
-        // Rooms that see nothing of each other get cells of their own.
+        // Rooms that see nothing of each other get cells of their own, and sums of their own unit.
         let cell_count = clock.time(engine, "coefficients", |engine| {
             let mut components = Components::new(surface.nodes.len());
             let mut seen = Vec::new();
+            let (mut peaks, mut first) = (Peaks::new(surface.nodes.len()), 0);
             for batch in &batches {
                 let (points, psi) = (engine.points(batch)?, engine.psi(batch)?);
                 components.join(&points, &psi);
+                peaks.see(geometry, &points, &psi, saved.network.direct.get(first..first + points.len()).filter(|_| exact));
+                first += points.len();
                 seen.push((points, psi));
                 progress.tick()?;
             }
@@ -356,6 +359,7 @@ fn network<E: Engine>(
                 }
                 progress.tick()?;
             }
+            peaks.set_gains(geometry, &components.numbers(), &mut surface.nodes);
             Ok(splitter.cells())
         })?;
 
@@ -366,6 +370,8 @@ fn network<E: Engine>(
             let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
+            let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
+            nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark);
             engine.set_surface(&surface)?;
             if exact {
                 // The first bounce is known at every ray's end; it needs no cell.

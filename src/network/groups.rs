@@ -139,7 +139,7 @@ pub fn candidates(geometry: &Geometry, surface: &Surface, groups: &Groups) -> Ve
     let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
     let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
     let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
-    for (i, n) in surface.nodes.iter().enumerate() {
+    for (i, n) in surface.nodes.iter().enumerate().filter(|(_, n)| n.gain >= 0.0) {
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }

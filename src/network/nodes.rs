@@ -6,11 +6,11 @@ use crate::error::Result;
 use crate::layout::{Candidate, NONE, Node, Point};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
-use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
+use crate::twin::assign::{CONE, LIFT, NEAREST, Surface, crossed};
 use crate::twin::gather::Gathered;
 use crate::twin::math::{invert_cdf, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{place_in_tile, surface_point};
+use crate::twin::trace::{Ray, closest, place_in_tile, surface_point};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -213,18 +213,26 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
         for i in k_means(&own, share) {
             let p = &points[members[i]];
             let tri = &geometry.tris[p.tri as usize];
-            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, ..Node::default() });
+            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, gain: 1.0, ..Node::default() });
         }
     }
 }
 
-/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points.
+/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points, and looks up from
+/// each node.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
     list_candidates(geometry, surface, |_| true);
 }
 
 /// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty, where they have their own.
 fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
+    surface.nodes.par_iter_mut().for_each(|n| {
+        n.clear = closest(
+            geometry,
+            &Ray { origin: Vec3::from(n.p), direction: Vec3::from(n.n), t_max: f32::MAX, skip: [n.plane, NONE] },
+        )
+        .t
+    });
     surface.groups = geometry.groups.clone();
     let rows = match &surface.groups {
         Some(groups) => groups::candidates(geometry, surface, groups),
@@ -246,7 +254,7 @@ fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(us
     let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
     let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
     let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
-    for (i, n) in surface.nodes.iter().enumerate() {
+    for (i, n) in surface.nodes.iter().enumerate().filter(|(_, n)| n.gain >= 0.0) {
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
@@ -303,6 +311,23 @@ fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(us
         .collect()
 }
 
+/// Leaves out the nodes that no ray has met, whose light nobody knows: a point near them is better gathered for. Returns
+/// whether there were any.
+pub fn leave_out_empty(geometry: &Geometry, surface: &mut Surface, mass: &[f64], mark: bool) -> bool {
+    let mut any = false;
+    for (node, _) in surface.nodes.iter_mut().zip(mass).filter(|(_, m)| **m <= 0.0) {
+        node.gain = -1.0;
+        any = true;
+    }
+    if any {
+        find_candidates(geometry, surface);
+        if mark {
+            mark_free(geometry, surface);
+        }
+    }
+    any
+}
+
 /// Whether so many rays save more by marks than finding them takes. Lists that tiles share have none.
 pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
     rays >= geometry.tiles && geometry.groups.is_none()
@@ -335,7 +360,7 @@ pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
     // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
     [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
         let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, a, b);
-        crate::twin::trace::position(t, b1, b2)
+        crate::twin::trace::corner_position(t, b1, b2)
     })
 }
 
@@ -350,6 +375,10 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
     for node in nodes {
         let q = Vec3::from(node.p);
         for &c in corners {
+            // Their own planes may stand between them.
+            if crossed(c, n, plane, node) != [plane, node.plane] {
+                return false;
+            }
             let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
             // Segments start at the lift, so the surface itself is not in the box.
             take(c + n * lift);

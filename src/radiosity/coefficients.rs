@@ -186,11 +186,12 @@ pub fn known(sums: &[NodeSource], nodes: &[Node], mass: &[f64]) -> Vec<NodeLight
     let row = |((s, node), &m): ((&NodeSource, &Node), &f64)| {
         let mut light = NodeLight::default();
         for k in 0..3 {
-            if m > 0.0 {
-                let h = s.value[k].value(UNIT) / m;
+            let weight = m * f64::from(node.gain);
+            if weight > 0.0 {
+                let h = s.value[k].value(UNIT) / weight;
                 light.h[k] = h as f32;
-                light.g0[k] = (s.first[k].value(UNIT) / m - h * node.mean[0] as f64) as f32;
-                light.g1[k] = (s.second[k].value(UNIT) / m - h * node.mean[1] as f64) as f32;
+                light.g0[k] = (s.first[k].value(UNIT) / weight - h * node.mean[0] as f64) as f32;
+                light.g1[k] = (s.second[k].value(UNIT) / weight - h * node.mean[1] as f64) as f32;
             }
         }
         light

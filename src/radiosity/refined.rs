@@ -216,25 +216,43 @@ fn correction<E: Engine>(
     Ok((sum, sweeps))
 }
 
-/// Solves a system of contraction `factor` from darkness; the unlit one is set on the engine. What it tells is measured on
-/// the light that it returns.
+/// Powers of two that bring what each room receives by itself near 1, a node each. `rooms` numbers each node's; where it is
+/// empty there is one. Rooms see nothing of each other, so each may have a unit of its own, and none is too dim to be solved.
+fn units(own: &[Light], rooms: &[u32]) -> Vec<f64> {
+    let room = |j: usize| rooms.get(j).map_or(0, |&r| r as usize);
+    let mut most = vec![0.0f64; rooms.iter().max().map_or(1, |&m| m as usize + 1)];
+    for (j, l) in own.iter().enumerate() {
+        most[room(j)] = most[room(j)].max(l[0].abs().max_element());
+    }
+    let unit = |x: f64| if x > 0.0 && x.is_finite() { 2f64.powi(x.log2().round() as i32) } else { 1.0 };
+    (0..own.len()).map(|j| unit(most[room(j)])).collect()
+}
+
+/// Solves a system, whose contraction the rule tells, from darkness; the unlit one is set on the engine. What it tells is
+/// measured on the light that it returns.
 ///
 /// Errors: [`Error::NotFinite`]; those of the engine.
 pub fn solve<E: Engine>(
     engine: &mut E,
     system: &System,
     materials: &[Material],
-    factor: f64,
+    rooms: &[u32],
     rule: Rule,
     progress: &mut Progress,
 ) -> Result<(Vec<NodeLight>, Solved)> {
-    let extents = extents(system);
+    let (extents, factor) = (extents(system), rule.factor);
     let mut light = vec![[DVec3::ZERO; 3]; system.planes.len()];
+    // Light is in the rooms' own units until it is given back.
+    let units = units(&sweep(system, materials, &light), rooms);
+    let times = |light: &[Light], by: &dyn Fn(f64) -> f64| -> Vec<Light> {
+        light.iter().zip(&units).map(|(l, &unit)| l.map(|x| x * by(unit))).collect()
+    };
+    let (into, out) = (|unit: f64| 1.0 / unit, |unit: f64| unit);
     let mut best = light.clone();
     let mut solved = Solved { contraction: factor, accelerated: true, ..Solved::default() };
     let (mut least, mut away, mut stuck) = (f64::INFINITY, f64::INFINITY, 0);
     loop {
-        let swept = sweep(system, materials, &light);
+        let swept = times(&sweep(system, materials, &times(&light, &out)), &into);
         solved.sweeps += 1;
         let residual: Vec<Light> = swept.iter().zip(&light).map(|(s, l)| [0, 1, 2].map(|k| s[k] - l[k])).collect();
         let (change, size) = (largest(&residual), largest(&swept));
@@ -242,7 +260,7 @@ pub fn solve<E: Engine>(
             return Err(Error::NotFinite { what: "the solution".into() });
         }
         if size == 0.0 {
-            return Ok((light.iter().map(narrow).collect(), Solved { residual: 0.0, error_bound: 0.0, ..solved }));
+            return Ok((times(&light, &out).iter().map(narrow).collect(), Solved { residual: 0.0, error_bound: 0.0, ..solved }));
         }
         stuck = if change < 0.5 * least { 0 } else { stuck + 1 };
         if change < least {
@@ -255,7 +273,7 @@ pub fn solve<E: Engine>(
         }
         progress.event(Event::Sweep { n: solved.sweeps, residual: solved.error_bound })?;
         if away < rule.tolerance || stuck >= STUCK || solved.sweeps >= rule.max_sweeps {
-            return Ok((best.iter().map(narrow).collect(), solved));
+            return Ok((times(&best, &out).iter().map(narrow).collect(), solved));
         }
         let most = rule.max_sweeps - solved.sweeps;
         let (more, sweeps) = correction(engine, &extents, &residual, most, progress)?;

@@ -1,5 +1,6 @@
 //! Sweeps of an iteration to a stated distance from its fixed point, or a stated number of them.
 
+use super::components::Components;
 use super::gauss_seidel::GaussSeidel;
 use super::refined;
 use crate::engine::Engine;
@@ -38,15 +39,22 @@ const STRIDE: u32 = 8;
 /// Sweeps of a series between two moments at which the caller may stop.
 const SERIES: u32 = 64;
 
-fn norms(a: &[NodeLight], b: &[NodeLight]) -> (f64, f64) {
-    let (mut change, mut size) = (0.0f64, 0.0f64);
-    for (x, y) in a.iter().zip(b) {
+/// The largest irradiance, and the largest change as if every room were as bright as the brightest: a dim room beside it
+/// must not stop short. `rooms` numbers each node's; where it is empty there is one.
+fn norms(a: &[NodeLight], b: &[NodeLight], rooms: &[u32]) -> (f64, f64) {
+    let mut each = vec![(0.0f64, 0.0f64); rooms.iter().max().map_or(1, |&m| m as usize + 1)];
+    for (i, (x, y)) in a.iter().zip(b).enumerate() {
+        let (change, size) = &mut each[rooms.get(i).map_or(0, |&r| r as usize)];
         for k in 0..3 {
-            change = change.max((x.h[k] as f64 - y.h[k] as f64).abs());
-            size = size.max((y.h[k] as f64).abs());
+            let step = (x.h[k] as f64 - y.h[k] as f64).abs();
+            // A maximum would pass over a NaN.
+            *change = if step.is_finite() { change.max(step) } else { f64::INFINITY };
+            *size = size.max((y.h[k] as f64).abs());
         }
     }
-    (change, size)
+    let largest = each.iter().fold(0.0, |m: f64, x| m.max(x.1));
+    let change = each.iter().map(|&(change, size)| if size > 0.0 { change * (largest / size) } else { change });
+    (change.fold(0.0, f64::max), largest)
 }
 
 /// Makes so many sweeps from a light.
@@ -98,21 +106,22 @@ pub fn solve<E: Engine>(
         }
         rule.factor = mode.factor;
     }
+    let rooms = Components::of(system).numbers();
     match params.solver {
-        Solver::Jacobi if rule.factor > SLOW => refined::solve(engine, system, &geometry.materials, rule.factor, rule, progress),
+        Solver::Jacobi if rule.factor > SLOW => refined::solve(engine, system, &geometry.materials, &rooms, rule, progress),
         Solver::Jacobi => {
             engine.set_system(system)?;
-            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, rule, progress, scene)
+            iterate(&mut |light, n| engine.jacobi(light, n), geometry, dark, &rooms, rule, progress, scene)
         }
         Solver::GaussSeidel => {
             let host = GaussSeidel::new(system, &geometry.materials);
-            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, rule, progress, scene)
+            iterate(&mut |light, n| Ok(host.sweeps(light, n)), geometry, dark, &rooms, rule, progress, scene)
         }
     }
 }
 
 /// Sweeps from `start` until the distance from the fixed point is below the rule's tolerance times the largest
-/// irradiance. "Small steps" alone are false convergence (hard case
+/// irradiance, in each of the `rooms` that see nothing of each other (a number each node; one room where empty). "Small steps" alone are false convergence (hard case
 /// E02): the step is divided by 1 - the measured factor.
 ///
 /// Errors: [`Error::NotContractive`] where the iteration grows; [`Error::NotFinite`].
@@ -120,12 +129,13 @@ pub fn iterate(
     sweep: &mut Sweep,
     geometry: &Geometry,
     start: Vec<NodeLight>,
+    rooms: &[u32],
     rule: Rule,
     progress: &mut Progress,
     scene: &Scene,
 ) -> Result<(Vec<NodeLight>, Solved)> {
     if let Some(sweeps) = rule.exactly {
-        return series(sweep, start, sweeps, progress);
+        return series(sweep, start, rooms, sweeps, progress);
     }
     let mut light = start;
     let mut solved = Solved { contraction: rule.factor, ..Solved::default() };
@@ -136,7 +146,7 @@ pub fn iterate(
         let before = sweep(&light, STRIDE - 1)?;
         light = sweep(&before, 1)?;
         solved.sweeps += STRIDE;
-        let (change, size) = norms(&before, &light);
+        let (change, size) = norms(&before, &light, rooms);
         if !change.is_finite() || !size.is_finite() {
             return Err(Error::NotFinite { what: "the solution".into() });
         }
@@ -178,6 +188,7 @@ pub fn iterate(
 fn series(
     sweep: &mut Sweep,
     mut light: Vec<NodeLight>,
+    rooms: &[u32],
     sweeps: u32,
     progress: &mut Progress,
 ) -> Result<(Vec<NodeLight>, Solved)> {
@@ -185,7 +196,7 @@ fn series(
     while solved.sweeps < sweeps {
         let now = SERIES.min(sweeps - solved.sweeps);
         let next = sweep(&light, now)?;
-        let (change, size) = norms(&light, &next);
+        let (change, size) = norms(&light, &next, rooms);
         if !change.is_finite() || !size.is_finite() {
             return Err(Error::NotFinite { what: "the solution".into() });
         }

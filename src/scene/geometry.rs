@@ -15,6 +15,9 @@ use std::sync::Arc;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
 pub(crate) const TILES: f64 = 20_000.0;
+/// How much wider than its triangle a box is, local: a ray meets triangles with an absolute error of some ulp, and must
+/// then have met their boxes (hard cases D02, D07).
+const PAD: f32 = 1e-6;
 /// Most tiles along an edge of one triangle.
 const MAX_SPLIT: u32 = 160;
 /// Most tiles of one flatland segment.
@@ -82,7 +85,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The power of two that brings `x > 0` into (0.5, 1]; of those that have an inverse the nearest.
-fn power_of_two_for(x: f64) -> f64 {
+pub(crate) fn power_of_two_for(x: f64) -> f64 {
     const MOST: i32 = 1000;
     let mut e = (-(x.log2().ceil() as i32)).clamp(-MOST, MOST);
     // log2 may round at the interval's ends.
@@ -354,7 +357,8 @@ impl Geometry {
 
     /// Longest side of the bounding box, local.
     pub(super) fn local_extent(&self) -> f64 {
-        let side = |k: usize| self.nodes.first().map_or(0.0, |root| root.max[k] as f64 - root.min[k] as f64);
+        let pad = 2.0 * f64::from(PAD);
+        let side = |k: usize| self.nodes.first().map_or(0.0, |root| (root.max[k] as f64 - root.min[k] as f64 - pad).max(0.0));
         // Flatland's boxes have a height, its scenes none.
         side(0).max(side(1)).max(if self.flatland { 0.0 } else { side(2) })
     }
@@ -396,7 +400,8 @@ impl obvhs::Boundable for Bounds {
         let v = self.corners.map(glam::Vec3A::from_array);
         // A box without a height would have rays divide 0 by 0.
         let up = glam::Vec3A::new(0.0, 0.0, if self.flatland { 1.0 } else { 0.0 });
-        obvhs::aabb::Aabb { min: v[0].min(v[1]).min(v[2]) - up, max: v[0].max(v[1]).max(v[2]) + up }
+        let (low, high) = (v[0].min(v[1]).min(v[2]) - up, v[0].max(v[1]).max(v[2]) + up);
+        obvhs::aabb::Aabb { min: low - glam::Vec3A::splat(PAD), max: high + glam::Vec3A::splat(PAD) }
     }
 }
 

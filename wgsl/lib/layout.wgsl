@@ -65,7 +65,8 @@ struct Node {
     n: vec3<f32>,
     plane: u32,
     mean: vec2<f32>, // mean of the deposit minus p, along the tangents
-    pad0: vec2<u32>,
+    gain: f32, // power of two that brings the sources of light around it near 1
+    clear: f32, // way along the normal until something stands in it
 }
 
 struct Psi {

@@ -7,6 +7,8 @@
 
 // Depth of the stack; the host refuses deeper hierarchies.
 const STACK = 48u;
+// A point behind a plane by less than this is on it: rounding has moved it there.
+const BEHIND = 4e-7;
 
 struct Hit {
     t: f32, // in units of the direction's length
@@ -138,6 +140,12 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
                     met = meet_triangle(i, origin, frame, hit.t);
                 }
                 if met.tri != NONE {
+                    // The start, and the end of a segment, may lie behind the planes beside them by their rounding.
+                    let across = dot3(tri_normal(i), direction);
+                    let behind = select((t_max - met.t) * -across, met.t * across, across > 0.0);
+                    if behind < BEHIND && (across > 0.0 || any_hit) {
+                        continue;
+                    }
                     hit = met;
                     if any_hit {
                         return hit;

@@ -48,9 +48,20 @@ fn place_on(a: f32, b: f32) -> vec2<f32> {
     return vec2<f32>(root * (1.0 - b), root * b);
 }
 
+// How far points of a triangle are moved towards its middle: farther than rounding can move them over an edge.
+const INWARD = 1e-6;
+
 fn position(tri: u32, b1: f32, b2: f32) -> vec3<f32> {
     let v0 = tri_v0(tri);
-    return v0 + (tri_v1(tri) - v0) * b1 + (tri_v2(tri) - v0) * b2;
+    let v1 = tri_v1(tri);
+    let v2 = tri_v2(tri);
+    let p = v0 + (v1 - v0) * b1 + (v2 - v0) * b2;
+    var middle = (v0 + v1) * 0.5;
+    if !FLATLAND {
+        middle = (v0 + v1 + v2) * (1.0 / 3.0);
+    }
+    let d = middle - p;
+    return p + d * (INWARD / max(sqrt(dot3(d, d)), 2.0 * INWARD));
 }
 
 // A surface point with its tile; kind, weight and density are left 0.
