@@ -128,7 +128,7 @@ fn places(scene: &Scene, count: usize) -> Outcome<Vec<SurfacePoint>> {
             let wanted = u[2] as f64 / 4294967296.0 * sum;
             let t = cdf[cdf.partition_point(|c| c.0 <= wanted).min(cdf.len() - 1)].1;
             let (b1, b2) = place_on(geometry.flatland, unit(u[0]), unit(u[1]));
-            let local = position(&geometry.tris[t], b1, b2);
+            let local = position(geometry.flatland, &geometry.tris[t], b1, b2);
             let p = geometry.to_world(local.to_array());
             SurfacePoint { p, n: geometry.tris[t].normal.map(f64::from) }
         })
