@@ -124,7 +124,8 @@ fn preview(gpu: Gpu, triangles: usize) -> Solution {
         checkpoint: &mut Checkpoint::default(),
         solution: None,
         begin,
-        reached: &mut |_| Ok(Duration::ZERO),
+        reached: &mut |_| Ok(()),
+        readout: &mut |_| Ok(Duration::ZERO),
     };
     let solution = accuracy::climb(&backend, &scene, &Params::default(), climb, &mut tell).unwrap();
     let report = solution.report();
