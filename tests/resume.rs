@@ -266,7 +266,7 @@ mod program {
             let path = dir.path().join("resumed.rcell");
             resumed.save(&path).unwrap();
             assert!(fs::read(&path).unwrap() == want[0], "the resume after kill {done} differs");
-            if done % 20 == 0 {
+            if done.is_multiple_of(20) {
                 eprintln!("{done} kills, {} s", begin.elapsed().as_secs());
             }
         }
