@@ -266,6 +266,9 @@ mod program {
             let path = dir.path().join("resumed.rcell");
             resumed.save(&path).unwrap();
             assert!(fs::read(&path).unwrap() == want[0], "the resume after kill {done} differs");
+            if done.is_multiple_of(20) {
+                eprintln!("{done} kills, {} s", begin.elapsed().as_secs());
+            }
         }
         eprintln!("{done} kills, {kept} checkpoints left, {whole} bakes whole in between; reached {reached:?}");
         assert!(kept > kills / 4, "kills hit bakes that had something to lose");
