@@ -179,7 +179,7 @@ impl Baker {
         let Some(job) = self.job.take() else { return Ok(()) };
         let (device, frames, outcome) = (self.device.clone(), self.frames.clone(), self.outcome.clone());
         let work = move || {
-            let result = Gpu::hosted(&device, frames, &pass::kernels(&job.scene)).and_then(|gpu| job.run(Arc::new(gpu)));
+            let result = Gpu::hosted(&device, frames, &pass::kernels(&device, &job.scene)).and_then(|gpu| job.run(Arc::new(gpu)));
             *outcome.lock().unwrap_or_else(|e| e.into_inner()) = Some(result);
         };
         let started = std::thread::Builder::new().name("raycell".into()).spawn(work);

@@ -24,6 +24,16 @@ pub enum Backend {
     Gpu(Arc<Gpu>),
 }
 
+impl Backend {
+    /// Seconds spent on compiling kernels since the device was opened.
+    pub(crate) fn compile_seconds(&self) -> f64 {
+        match self {
+            Backend::Cpu => 0.0,
+            Backend::Gpu(gpu) => gpu.compile_seconds().iter().map(|(_, seconds)| seconds).sum(),
+        }
+    }
+}
+
 /// A machine that runs the passes over one prepared scene.
 ///
 /// Arrays live in [`Engine::Batch`]es: points, and what the passes have found about each of them.

@@ -142,8 +142,11 @@ pub struct Node {
     pub plane: u32,
     /// Mean of the node's deposit minus `p`, along the two tangents (see [`crate::twin::math::tangents`]).
     pub mean: [f32; 2],
-    /// Padding.
-    pub pad0: [u32; 2],
+    /// Power of two that brings the sources of light around it near 1, so that dim rooms keep their digits
+    /// (see [`crate::radiosity::components`]); negative where no ray has met the node, which then speaks for no point.
+    pub gain: f32,
+    /// Way along the normal until something stands in it, local; found anew where a network is read.
+    pub clear: f32,
 }
 
 /// The interpolation weights psi of a point: at most four compatible nodes (32 bytes).

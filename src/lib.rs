@@ -50,6 +50,7 @@ pub mod effects;
 pub mod engine;
 pub mod error;
 pub mod gpu;
+mod hash;
 #[doc(hidden)]
 pub mod layout;
 #[cfg(feature = "cli")]

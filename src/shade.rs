@@ -115,7 +115,9 @@ fn shade_chunk<E: Engine>(
     let mut shades: Vec<Shade> = Vec::new();
     for i in 0..points.len() {
         let irradiance = [0, 1, 2].map(|k| if covered[i] { 0.0 } else { direct[i][k] + network[i][k] as f64 });
-        if gathers && !covered[i] && wants_gather(params, spacing, near[i].nearness, &psi[i]) {
+        // All dark, and not covered: planes through the nodes around may have gone below 0 there.
+        let lost = direct[i] == [0.0; 3] && network[i][..3] == [0.0; 3];
+        if gathers && !covered[i] && (lost || wants_gather(params, spacing, near[i].nearness, &psi[i])) {
             wanted.push(i);
         }
         shades.push(Shade { direct: direct[i], irradiance, covered: covered[i] });

@@ -78,7 +78,14 @@ fn cornell(
     stop: u32,
 ) -> raycell::Result<Solution> {
     let mut told = 0;
-    let climbing = Climb { goal, checkpoint, solution, begin: Instant::now(), reached: &mut |_| Ok(Duration::ZERO) };
+    let climbing = Climb {
+        goal,
+        checkpoint,
+        solution,
+        begin: Instant::now(),
+        reached: &mut |_| Ok(()),
+        readout: &mut |_| Ok(Duration::ZERO),
+    };
     climb(backend, &scene("cornell"), &Params::default(), climbing, &mut |_| {
         told += 1;
         if told == stop { Flow::Stop } else { Flow::Continue }

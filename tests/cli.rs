@@ -247,6 +247,22 @@ fn every_example_of_the_help_works() {
 }
 
 #[test]
+fn a_target_that_is_met_already_keeps_the_record_of_its_bake() {
+    let dir = grey();
+    let report = |args: &str| {
+        let output = dir.run(&format!("bake s.obj --backend cpu --target-error 50% {args}"));
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&fs::read(dir.path("out/report.json")).unwrap()).unwrap()
+    };
+    let (before, after) = (report(""), report("--resume"));
+    assert!(before["stages"]["emit"].as_f64().unwrap() > 0.0 && !before["target"]["rungs"].as_array().unwrap().is_empty());
+    for key in ["stages", "target", "estimated_error", "memory_bytes"] {
+        assert_eq!(before[key], after[key], "{key}");
+    }
+    assert_eq!(before["seconds"]["train"], after["seconds"]["train"]);
+}
+
+#[test]
 fn pages_and_completions_tell_every_flag() {
     let dir = Dir::new();
     assert_eq!(dir.run("man -o .").status.code(), Some(0));

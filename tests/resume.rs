@@ -136,6 +136,7 @@ fn no_stop_waits_long() {
 #[cfg(unix)]
 mod program {
     use super::{RAYS, backend, hash, root};
+    use raycell::{Checkpoint, Flow, Params, Scene, bake_from};
     use std::fs;
     use std::path::Path;
     use std::process::{Command, Output, Stdio};
@@ -143,7 +144,10 @@ mod program {
 
     fn bake(out: &Path, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_raycell"));
-        command.args(["bake", "--vertices", "--rays", &RAYS.to_string(), "-o"]).arg(out).args(more);
+        command.args(["bake", "--vertices", "-o"]).arg(out).args(more);
+        if !more.iter().any(|flag| flag.starts_with("--rays")) {
+            command.args(["--rays", &RAYS.to_string()]);
+        }
         command.arg("--points").arg(root("tests/data/cornell.truth.csv")).arg(root("scenes/cornell/scene.obj"));
         command.stderr(Stdio::piped());
         command
@@ -207,6 +211,75 @@ mod program {
             assert!(fs::read(out.join(name)).unwrap() == fs::read(straight.join(name)).unwrap(), "{name} differs");
         }
         assert!(!out.join("checkpoint.rcell").exists());
+    }
+
+    /// Kills the program at random moments, goes on after each, and holds every checkpoint that a kill leaves against the
+    /// uninterrupted bake. What lies in the folder under a result's name is whole, always.
+    fn survives_kills(kills: u32, rays: u32, seed: u32) {
+        let Some(backend) = backend() else { return };
+        let dir = tempfile::tempdir().unwrap();
+        let (straight, out) = (dir.path().join("straight"), dir.path().join("out"));
+        let rays = format!("--rays={rays}");
+        let begin = Instant::now();
+        let output = bake(&straight, &[&rays]).output().unwrap();
+        assert!(output.status.success(), "{}", words(&output));
+        let takes = begin.elapsed();
+        let names = ["solution.rcell", "points.csv", "vertices.ply"];
+        let want = names.map(|name| fs::read(straight.join(name)).unwrap());
+        let scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
+        let params = Params { rays: rays[7..].parse().unwrap(), ..Params::default() };
+
+        let (mut done, mut kept, mut whole, mut reached) = (0, 0, 0, std::collections::BTreeMap::<String, u32>::new());
+        let mut round = 0;
+        while done < kills {
+            let share = f64::from(hash(seed ^ round)) / f64::from(u32::MAX);
+            round += 1;
+            let output = interrupted(bake(&out, &[&rays, "--resume"]), "-KILL", takes.mul_f64(share));
+            match output.status.code() {
+                None => done += 1,
+                // It was quicker than the kill.
+                Some(0) => {
+                    for (name, bytes) in names.iter().zip(&want) {
+                        assert!(fs::read(out.join(name)).unwrap() == *bytes, "{name} differs, round {round}");
+                    }
+                    whole += 1;
+                    fs::remove_dir_all(&out).unwrap();
+                    continue;
+                }
+                other => panic!("{other:?}: {}", words(&output)),
+            }
+            // Whatever is there is whole.
+            for (name, bytes) in names.iter().zip(&want) {
+                assert!(fs::read(out.join(name)).is_ok_and(|b| b == *bytes) || !out.join(name).exists(), "{name}, round {round}");
+            }
+            if let Ok(report) = fs::read(out.join("report.json")) {
+                serde_json::from_slice::<serde_json::Value>(&report).unwrap();
+            }
+            let file = out.join("checkpoint.rcell");
+            let mut saved = if file.exists() { Checkpoint::load(&file).unwrap() } else { Checkpoint::default() };
+            kept += u32::from(file.exists());
+            *reached
+                .entry(if saved.is_empty() { "nothing".into() } else { saved.reached().unwrap_or("the read-out".into()) })
+                .or_default() += 1;
+            // Every kill's resume ends as the uninterrupted bake does.
+            let resumed = bake_from(&backend, &scene, &params, &mut saved, &mut |_| Flow::Continue).unwrap();
+            let path = dir.path().join("resumed.rcell");
+            resumed.save(&path).unwrap();
+            assert!(fs::read(&path).unwrap() == want[0], "the resume after kill {done} differs");
+        }
+        eprintln!("{done} kills, {kept} checkpoints left, {whole} bakes whole in between; reached {reached:?}");
+        assert!(kept > kills / 4, "kills hit bakes that had something to lose");
+    }
+
+    #[test]
+    fn killed_at_eight_moments_the_program_goes_on_to_the_same_bytes() {
+        survives_kills(8, 16_384, 3);
+    }
+
+    #[test]
+    #[ignore = "ten minutes: cargo test --release --test resume -- --ignored --nocapture killed_at_two_hundred"]
+    fn killed_at_two_hundred_moments_the_program_goes_on_to_the_same_bytes() {
+        survives_kills(200, 8_192, 11);
     }
 
     #[test]

@@ -2,13 +2,17 @@
 //! share their records with the host byte for byte.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use raycell::gpu::wgsl::{KERNELS, LIBS, compose_mapped};
+use raycell::gpu::wgsl::{KERNELS, LIBS, compose};
 use std::collections::BTreeSet;
 use std::mem::{offset_of, size_of};
 
 /// Parses a kernel; a failure names the true file and line.
 fn parse(kernel: &str) -> naga::Module {
-    let composed = compose_mapped(kernel);
+    parse_text(kernel, false)
+}
+
+fn parse_text(kernel: &str, paged: bool) -> naga::Module {
+    let composed = compose(kernel, paged);
     naga::front::wgsl::parse_str(&composed.source).unwrap_or_else(|e| {
         let at = e.location(&composed.source).map_or(String::new(), |l| composed.locate(l.line_number as usize));
         panic!("{at}: {}", e.emit_to_string(&composed.source))
@@ -32,9 +36,10 @@ fn every_file_is_listed() {
 
 #[test]
 fn kernels_validate_within_the_budget() {
-    for (kernel, _) in KERNELS {
-        let composed = compose_mapped(kernel);
-        let module = parse(kernel);
+    let mut paged_texts = 0;
+    for (kernel, paged) in KERNELS.iter().flat_map(|(kernel, _)| [(kernel, false), (kernel, true)]) {
+        let composed = compose(kernel, paged);
+        let module = parse_text(kernel, paged);
         // No capability at all: core WebGPU only.
         Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap_or_else(|e| {
             let at = e.location(&composed.source).map_or(String::new(), |l| composed.locate(l.line_number as usize));
@@ -47,7 +52,7 @@ fn kernels_validate_within_the_budget() {
         assert_eq!(entry.workgroup_size, [raycell::gpu::kernel::WORKGROUP, 1, 1], "{kernel}");
 
         // Binding 0 is the uniform; storage buffers follow without a gap.
-        let mut bindings = BTreeSet::new();
+        let (mut bindings, mut textures) = (BTreeSet::new(), 0);
         for (_, var) in module.global_variables.iter() {
             let Some(binding) = &var.binding else {
                 continue;
@@ -56,12 +61,22 @@ fn kernels_validate_within_the_budget() {
             match var.space {
                 naga::AddressSpace::Uniform => assert_eq!(binding.binding, 0, "{kernel}"),
                 naga::AddressSpace::Storage { .. } => assert!(bindings.insert(binding.binding), "{kernel}"),
+                // A scene's records, where they are paged.
+                naga::AddressSpace::Handle if paged => {
+                    assert!(bindings.insert(binding.binding), "{kernel}");
+                    textures += 1;
+                }
                 other => panic!("{kernel}: {other:?}"),
             }
         }
         assert!(bindings.len() <= 8, "{kernel} binds {} storage buffers", bindings.len());
         assert_eq!(bindings, (1..=bindings.len() as u32).collect(), "{kernel}");
+        // Every binding of triangles or boxes is paged together with the module that reads it.
+        let records = composed.source.matches("array<Tri>;").count() + composed.source.matches("array<BvhNode>;").count();
+        assert!(!paged || records == 0, "{kernel}");
+        paged_texts += usize::from(textures > 0);
     }
+    assert_eq!(paged_texts, 10, "emit, probe, shoot, kernel, direct, assign, gather, deposit, flux, feature");
 }
 
 /// Name and offset of each member, and the size, of a struct of a module.
@@ -95,7 +110,7 @@ fn records_match() {
         ("Emitter", layout!(layout::Emitter { tri, cdf, density, near2 })),
         ("Tile", layout!(layout::Tile { cdf, density })),
         ("Point", layout!(layout::Point { p, tri, tile, kind, weight, density })),
-        ("Node", layout!(layout::Node { p, material, n, plane, mean, pad0 })),
+        ("Node", layout!(layout::Node { p, material, n, plane, mean, gain, clear })),
         ("Psi", layout!(layout::Psi { node, weight })),
         ("NodeLight", layout!(layout::NodeLight { h, pad0, g0, pad1, g1, pad2 })),
         ("Candidate", layout!(layout::Candidate { node, free })),
@@ -147,7 +162,7 @@ fn parameters_match() {
                 pad1
             }),
         ),
-        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, pad0, pad1 })),
+        ("assign", layout!(pass::assign::Params { base, count, flag, inv_unit, lambda, first_list, joint, pad1 })),
         ("feature", layout!(pass::feature::Params { base, count, inv_unit, lambda, mu, pad0, pad1, pad2 })),
         ("winner", layout!(pass::winner::Params { base, count, flag, features, first, end, pad0, pad1 })),
         ("accumulate", layout!(pass::accumulate::Params { base, count, start, pad0 })),
@@ -195,7 +210,7 @@ fn blocks_match() {
 
 #[test]
 fn composed_lines_lead_back_to_their_files() {
-    let composed = compose_mapped("shoot");
+    let composed = compose("shoot", false);
     let count = composed.source.lines().count();
     assert_eq!(composed.lines.len(), count);
     for (name, text) in [("wgsl/shoot.wgsl", KERNELS), ("wgsl/lib/ray.wgsl", LIBS)] {

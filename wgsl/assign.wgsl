@@ -9,7 +9,7 @@ struct Params {
     inv_unit: f32, // 1/L
     lambda: f32, // weight of normals
     first_list: u32, // where the candidates begin
-    pad0: u32,
+    joint: u32, // where the starts of shared lists begin, after each tile's group; 0: each tile has its own
     pad1: u32,
 }
 
@@ -17,17 +17,19 @@ struct Params {
 @group(0) @binding(1) var<storage, read> bvh: array<BvhNode>;
 @group(0) @binding(2) var<storage, read> tris: array<Tri>;
 @group(0) @binding(3) var<storage, read> nodes: array<Node>;
-// Start of each tile's candidates, then all candidates, two words each.
+// Start of each tile's candidates, then all candidates, two words each. Where tiles share lists, each one's group comes first.
 @group(0) @binding(4) var<storage, read> lists: array<u32>;
 @group(0) @binding(5) var<storage, read> points: array<Point>;
 @group(0) @binding(6) var<storage, read> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> psi: array<Psi>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
 
+const CONE = 0.7; // normals must agree to this cosine
 const NEAREST = 9u; // candidates looked at
 const PLANE = 0.3; // share of the distance by which one point may lie off the other's plane
 const PLANE_FLOOR = 1e-3; // the same in units of L
 const LIFT = 0.1; // share of the distance by which the segment is lifted
+const FLOOR = 2e-6; // least lift; what lies this little behind a plane lies on it
 
 fn candidate_node(c: u32) -> u32 {
     return lists[params.first_list + 2u * c];
@@ -45,12 +47,21 @@ fn distance2(p: vec3<f32>, n: vec3<f32>, node: u32) -> f32 {
     return dot3(d, d) + dot3(m, m);
 }
 
-// Whether the segment from a point to a node, lifted along both normals, is free.
-fn in_sight(p: vec3<f32>, n: vec3<f32>, plane: u32, node: u32) -> bool {
-    let q = nodes[node].p;
-    let d = p - q;
-    let lift = max(LIFT * sqrt(dot3(d, d)), 2e-6);
-    return !segment_blocked(p + n * lift, q + nodes[node].n * lift, vec2<u32>(plane, nodes[node].plane));
+// The planar pieces that a segment between a point and a node need not look at: their own, unless one lies behind the
+// other's plane by more than the turn of their normals explains, as of two sheets that face the same way.
+fn crossed(p: vec3<f32>, n: vec3<f32>, plane: u32, node: u32) -> vec2<u32> {
+    let d = p - nodes[node].p;
+    let m = nodes[node].n;
+    let turn = sqrt(dot3(n - m, n - m) * dot3(d, d)) + FLOOR;
+    return vec2<u32>(select(plane, NONE, dot3(d, n) > turn), select(nodes[node].plane, NONE, -dot3(d, m) > turn));
+}
+
+// What a point sees: the ray up to where segments are lifted, or a segment to a node, lifted along both normals.
+struct Look {
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+    t_max: f32,
+    skip: vec2<u32>,
 }
 
 // Whether a node lies near a point's plane, and the point near the node's.
@@ -85,8 +96,8 @@ fn weights(i: u32) -> Psi {
         return result;
     }
     let p = points[i].p;
-    let n = tris[tri].normal;
-    let plane = tris[tri].plane;
+    let n = tri_normal(tri);
+    let plane = tri_plane(tri);
 
     // Keep the nearest candidates in order; the earlier of two equals comes first. The slots are named
     // one by one, so that they stay in registers.
@@ -108,11 +119,19 @@ fn weights(i: u32) -> Psi {
     var c6 = NONE;
     var c7 = NONE;
     var c8 = NONE;
-    let end = lists[tile + 1u];
-    var c = lists[tile];
+    var list = tile;
+    if params.joint != 0u {
+        list = params.joint + lists[tile];
+    }
+    let end = lists[list + 1u];
+    var c = lists[list];
     for (; c < end; c++) {
         let d = distance2(p, n, candidate_node(c));
         if d < d8 {
+            // A list of several tiles holds nodes of other cones, too.
+            if params.joint != 0u && dot3(n, nodes[candidate_node(c)].n) <= CONE {
+                continue;
+            }
             let b0 = d < d0;
             let b1 = d < d1;
             let b2 = d < d2;
@@ -148,6 +167,10 @@ fn weights(i: u32) -> Psi {
     // Take the first five that are compatible; the fifth only sets the radius. If none is, a second
     // round names the nearest in sight, whatever its plane. Each trip goes on to the next candidate that
     // needs a ray, so that neighbouring invocations shoot together.
+    //
+    // A node is in sight if the segment to it, lifted along both normals, and the ways up to it are free. The first
+    // ray of a point tells how far its way up is.
+    var reach = -1.0;
     var k = 0u;
     var pending = true;
     while pending {
@@ -166,8 +189,32 @@ fn weights(i: u32) -> Psi {
             }
             k++;
         }
-        if pending && in_sight(p, n, plane, node) {
-            take(k - 1u, near_d[(k - 1u) % NEAREST], node);
+        if pending {
+            let q = nodes[node].p;
+            let lift = max(LIFT * sqrt(dot3(p - q, p - q)), FLOOR);
+            let up = reach < 0.0;
+            if up || (lift <= reach && lift <= nodes[node].clear) {
+                let start = p + n * lift;
+                var look = Look(start, q + nodes[node].n * lift - start, 1.0, crossed(p, n, plane, node));
+                if up {
+                    var far = 0.0;
+                    for (var c = 0u; c < NEAREST; c++) {
+                        if near_c[c] != NONE {
+                            let d = p - nodes[candidate_node(near_c[c])].p;
+                            far = max(far, sqrt(dot3(d, d)));
+                        }
+                    }
+                    look = Look(p, n, LIFT * 1.001 * far + 2.0 * FLOOR, vec2<u32>(plane, NONE));
+                }
+                let met = walk(look.origin, look.direction, look.t_max, look.skip, !up);
+                if up {
+                    // The same candidate again.
+                    reach = met.t;
+                    k--;
+                } else if met.tri == NONE {
+                    take(k - 1u, near_d[(k - 1u) % NEAREST], node);
+                }
+            }
         }
     }
     if found == 0u {

@@ -1,5 +1,6 @@
 // Pass deposit: what rays bring to the nodes from emitter ends whose light is known. Twin: src/twin/deposit.rs.
 #import layout
+#import triangles
 #import math
 #import fixed
 #import sums
@@ -38,7 +39,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if (params.known & 1u) != 0u {
         h = light[x].xyz;
     }
-    let material = materials[tris[points[x].tri].material];
+    let material = materials[tri_material(points[x].tri)];
     var sent = material.rho * h + material.emit;
     if (params.known & 2u) != 0u {
         sent = material.rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
@@ -49,7 +50,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             let node = psi[d].node[k];
             let t = tangents(nodes[node].n);
             let e = y.p - nodes[node].p;
-            let v = (y.weight * params.normalise) * weight;
+            let v = ((y.weight * params.normalise) * weight) * nodes[node].gain;
             let s = v * sent;
             let at = WORDS * node;
             add_sum3(at, s, POWER);

@@ -44,7 +44,7 @@ fn is_near(p: vec3<f32>) -> bool {
     var near = false;
     var e = 0u;
     for (; e < params.emitters; e++) {
-        let d = p - tris[emitters[e].tri].v0;
+        let d = p - tri_v0(emitters[e].tri);
         near = near || dot3(d, d) < emitters[e].near2;
     }
     unfinished = unfinished || e < params.emitters;
@@ -60,10 +60,10 @@ fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>, cosine: u32) -> vec3<f
     let there = emitters[drawn.index].tri;
     let b = place_on(drawn.place, unit(u.y));
     let x = position(there, b.x, b.y);
-    let g = kernel_g(x, tris[there].normal, p, tris[tri].normal);
-    let planes = vec2<u32>(tris[tri].plane, tris[there].plane);
+    let g = kernel_g(x, tri_normal(there), p, tri_normal(tri));
+    let planes = vec2<u32>(tri_plane(tri), tri_plane(there));
     if g > 0.0 && planes.x != planes.y && !segment_blocked(p, x, planes) {
-        return materials[tris[there].material].emit * (g / (ne * emitters[drawn.index].density + nc * g));
+        return materials[tri_material(there)].emit * (g / (ne * emitters[drawn.index].density + nc * g));
     }
     return vec3<f32>();
 }
@@ -72,16 +72,16 @@ fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>, cosine: u32) -> vec3<f
 fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     let ne = f32(params.emitter);
     let nc = f32(params.cosine);
-    let n = tris[tri].normal;
+    let n = tri_normal(tri);
     let u = sobol4(k, seed);
     let direction = cosine_direction(n, unit(u.z), unit(u.w));
     let met = first_hit(tri, p, direction);
     if met.kind == FRONT {
-        let emit = materials[tris[met.hit.tri].material].emit;
+        let emit = materials[tri_material(met.hit.tri)].emit;
         let total = emit.x + emit.y + emit.z;
         if total > 0.0 {
             let cos_y = dot3(n, direction);
-            let cos_x = -dot3(tris[met.hit.tri].normal, direction);
+            let cos_x = -dot3(tri_normal(met.hit.tri), direction);
             let g = geometric(cos_x, cos_y, met.hit.t);
             return emit * (g / (ne * total * params.emitter_density + nc * g));
         }

@@ -47,9 +47,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     let u = sobol4(i, params.seed);
     let drawn = invert_cdf(params.tiles, u.x);
     let tri = tile_tri[drawn.index];
-    let b = place_in_tile(tris[tri].split, drawn.index - tris[tri].first_tile, drawn.place, unit(u.y));
+    let b = place_in_tile(tri_split(tri), drawn.index - tri_first_tile(tri), drawn.place, unit(u.y));
     let p = position(tri, b.x, b.y);
-    let direction = cosine_direction(tris[tri].normal, unit(u.z), unit(u.w));
+    let direction = cosine_direction(tri_normal(tri), unit(u.z), unit(u.w));
 
     // Trace, and weigh by what was met.
     let met = first_hit(tri, p, direction);

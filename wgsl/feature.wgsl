@@ -1,5 +1,6 @@
 // Pass feature: a directed ray, from point d^1 to point d, as a point of ray space. Twin: src/twin/winner.rs.
 #import layout
+#import triangles
 
 struct Params {
     base: u32,
@@ -34,9 +35,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let e = d ^ 1u;
     let x = points[e].p * params.inv_unit;
-    let nx = tris[points[e].tri].normal * params.lambda;
+    let nx = tri_normal(points[e].tri) * params.lambda;
     let y = points[d].p * params.inv_unit;
-    let ny = tris[points[d].tri].normal * params.lambda;
+    let ny = tri_normal(points[d].tri) * params.lambda;
     features[at] = vec4<f32>(x, nx.x);
     features[at + 1u] = vec4<f32>(nx.yz, y.xy);
     features[at + 2u] = vec4<f32>(y.z, ny);

@@ -1,5 +1,6 @@
 // Pass coefficients, second kernel: flux and source of the cells. Twin: src/twin/coefficients.rs.
 #import layout
+#import triangles
 #import fixed
 #import sums
 
@@ -31,7 +32,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         return;
     }
     let x = d ^ 1u;
-    let material = tris[points[x].tri].material;
+    let material = tri_material(points[x].tri);
     var source = materials[material].emit;
     if params.exact == 1u {
         source = materials[material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)));

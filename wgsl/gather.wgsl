@@ -1,5 +1,6 @@
 // Pass gather: the mean over a point's cosine rays of what their hits reflect. Twin: src/twin/gather.rs.
 #import layout
+#import triangles
 #import finish
 
 struct Params {
@@ -49,7 +50,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         back += select(0.0, 1.0, kind == BACK);
         front += select(0.0, 1.0, kind == FRONT);
         if kind == FRONT && params.lit == 1u {
-            let rho = materials[tris[hits[at].tri].material].rho;
+            let rho = materials[tri_material(hits[at].tri)].rho;
             var d = vec3<f32>();
             if params.exact == 1u {
                 d = direct[at].sum / f32(max(direct[at].rounds, 1u));

@@ -22,11 +22,11 @@ fn pair(x: u32, y: u32) -> f32 {
     if tx == NONE || ty == NONE {
         return 0.0;
     }
-    let planes = vec2<u32>(tris[tx].plane, tris[ty].plane);
+    let planes = vec2<u32>(tri_plane(tx), tri_plane(ty));
     if planes.x == planes.y {
         return 0.0;
     }
-    let g = kernel_g(points[x].p, tris[tx].normal, points[y].p, tris[ty].normal);
+    let g = kernel_g(points[x].p, tri_normal(tx), points[y].p, tri_normal(ty));
     if g > 0.0 && !segment_blocked(points[x].p, points[y].p, planes) {
         return g;
     }

@@ -29,7 +29,7 @@ const SKY_PROBES = 4u; // probes after which a start that has seen sky only is a
 
 // Whether a point that has not yet seen a front face is dead.
 fn is_dead(tri: u32, p: vec3<f32>, seed: u32, first: u32) -> bool {
-    let n = tris[tri].normal;
+    let n = tri_normal(tri);
     var back = select(0u, 1u, first == BACK);
     var k = 0u;
     for (; k < PROBES; k++) {

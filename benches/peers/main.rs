@@ -128,7 +128,7 @@ fn places(scene: &Scene, count: usize) -> Outcome<Vec<SurfacePoint>> {
             let wanted = u[2] as f64 / 4294967296.0 * sum;
             let t = cdf[cdf.partition_point(|c| c.0 <= wanted).min(cdf.len() - 1)].1;
             let (b1, b2) = place_on(geometry.flatland, unit(u[0]), unit(u[1]));
-            let local = position(&geometry.tris[t], b1, b2);
+            let local = position(geometry.flatland, &geometry.tris[t], b1, b2);
             let p = geometry.to_world(local.to_array());
             SurfacePoint { p, n: geometry.tris[t].normal.map(f64::from) }
         })
@@ -176,16 +176,10 @@ impl Job {
     }
 }
 
-/// The settings that are held against the peer: rays, and a read-out as careful as they are.
+/// The settings that are held against the peer: rungs of the ladder that targets and time budgets climb.
 fn ladder() -> Vec<(String, Params)> {
-    let rung = |rays: u32| {
-        let direct_tolerance = 0.016 * (65_536.0 / rays as f64).powf(0.4);
-        let (direct_samples, gather_rays) = ((rays / 128).max(256), (rays / 512).max(128));
-        let gather_threshold = if rays < 131_072 { 0.6 } else { 1.2 };
-        let params = Params { rays, direct_tolerance, direct_samples, gather_rays, gather_threshold, ..Params::default() };
-        (format!("{rays} rays"), params)
-    };
-    [16_384, 32_768, 65_536, 131_072].map(rung).to_vec()
+    let rung = |n| (format!("{} rays", Params::rays_of(n)), Params::default().rung(n));
+    (2..=5).map(rung).collect()
 }
 
 /// Settings as `rays=65536 gather_rays=0`: names and values of [`Params`].

@@ -301,7 +301,7 @@ pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<Surfac
         let place = (1.0 - (ends[t] - at) / areas[t]).clamp(0.0, 0.999_999_9);
         let tri = &geometry.tris[t];
         let (b1, b2) = place_on(geometry.flatland, place as f32, unit(u[1]));
-        let p = position(tri, b1, b2);
+        let p = position(geometry.flatland, tri, b1, b2);
         if !is_covered(geometry, t as u32, p, seed_of(seed, i)) {
             let world = geometry.to_world(p.to_array());
             let n = tri.normal.map(f64::from);
@@ -373,7 +373,7 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
         } else if through == Vec3::ZERO {
             break;
         }
-        at = Spot { tri: hit.tri, p: position(there, hit.b1, hit.b2) };
+        at = Spot { tri: hit.tri, p: position(geometry.flatland, there, hit.b1, hit.b2) };
         light += through * from_emitters(geometry, at.tri, at.p, lamp, random.unit(), END);
         turn = [random.next(), random.next()];
         lamp = [random.next(), random.next()];

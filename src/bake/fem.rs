@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::layout::NodeLight;
 use crate::params::{Direct, Params, Solver};
 use crate::progress::{Event, Progress};
+use crate::radiosity::components::Components;
 use crate::radiosity::patches::Mesh;
 use crate::radiosity::patches::exchange::{Exchange, Transport};
 use crate::radiosity::patches::sampled::Sampled;
@@ -49,7 +50,8 @@ pub fn run<E: Engine>(
             })
         };
         let dark = vec![NodeLight::default(); nodes.len()];
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
+        let rooms = Components::of_rows(&exchange.offsets, &exchange.other).numbers();
+        solver::iterate(&mut sweep, geometry, dark, &rooms, rule, progress, scene)
     })?;
 
     let cost = (exchange.value.len() as u64, exchange.evaluations);

@@ -12,10 +12,11 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeSource, Tile};
 use crate::network::growth::Growth;
-use crate::network::{nodes, tiles, tiles::mean};
+use crate::network::nodes;
+use crate::network::tiles::{self, Looks, mean};
 use crate::params::{Cells, Direct, Params};
 use crate::progress::{Event, Progress};
-use crate::radiosity::components::{Components, Splitter};
+use crate::radiosity::components::{Components, Peaks, Splitter};
 use crate::radiosity::winding::Winding;
 use crate::radiosity::{coefficients, energy, solver};
 use crate::scene::{Geometry, Scene};
@@ -29,10 +30,14 @@ use crate::twin::winner::Metric;
 const PILOT_RAYS: u32 = 65_536;
 /// Cells of the pilot network.
 const PILOT_CELLS: u32 = 512;
-/// Nodes of the pilot network.
+/// Nodes of the pilot network; of one of few rays half as many.
 const PILOT_NODES: usize = 400;
 /// The same in flatland.
 const PILOT_FLAT_NODES: usize = 100;
+/// What few rays are.
+const FEW_RAYS: u32 = 16_384;
+/// Tiles that are looked at before any light is known, for each ray of a small pilot.
+const LOOKS: u32 = 4;
 /// Most rays in a batch.
 pub const BATCH: u32 = 65_536;
 /// Features that cells start from.
@@ -127,11 +132,10 @@ pub(super) fn account<E: Engine>(
     clock: &mut Clock,
     progress: &mut Progress,
 ) -> Result<()> {
-    let exact = params.direct == Direct::Exact;
     let seed = stream(params.seed, Stream::Emission);
     let light = &saved.network.light;
     let energy =
-        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, exact, light, batches, progress))?;
+        clock.time(engine, "energy", |engine| energy::account(engine, geometry, seed, params, light, batches, progress))?;
     saved.energy = Some(energy);
     saved.network.direct = Vec::new();
     clock.compile = Some(engine.compile_seconds());
@@ -151,28 +155,32 @@ fn pilot<E: Engine>(
     progress: &mut Progress,
 ) -> Result<Pilot> {
     // Table what each tile sends before any bounce: E, or rho D where direct light is exact.
-    let places = tiles::places(geometry, stream(params.seed, Stream::TilePlace));
+    // Few rays need no fine importance: what a whole neighbourhood of small tiles sends is looked up once.
+    let rays = pilot_rays(params.rays);
+    let few = rays < PILOT_RAYS;
+    let looks = looks(geometry, rays);
+    let places = tiles::places_of(geometry, &looks.tiles, stream(params.seed, Stream::TilePlace));
     let seed = stream(params.seed, Stream::TileDirect);
     let direct = once(&mut saved.tiles, || {
-        // Few rays need no fine importance.
-        let rounds = if pilot_rays(params) < PILOT_RAYS { 1 } else { 2 };
+        let rounds = if few { 1 } else { 2 };
         clock.time(engine, "direct", |engine| tiles::direct(engine, &places, seed, rounds, progress))
     })?;
     let exact = params.direct == Direct::Exact;
-    let sent: Vec<[f64; 3]> = (0..places.len())
+    let sent: Vec<[f64; 3]> = (0..geometry.tiles as usize)
         .map(|t| {
-            let m = geometry.material_at(&places[t]);
-            let d = direct[t].mean();
+            let m = geometry.material_of(geometry.tile_tri[t] as usize);
+            let d = direct[looks.of[t] as usize].mean();
             [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
         })
         .collect();
     saved.keep(progress)?;
 
     let first: Vec<f64> = sent.iter().map(mean).collect();
+    let nodes = if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES };
     let stage = Stage {
-        rays: pilot_rays(params),
+        rays,
         cells: PILOT_CELLS,
-        nodes: if geometry.flatland { PILOT_FLAT_NODES } else { PILOT_NODES },
+        nodes: if rays < FEW_RAYS { nodes / 2 } else { nodes },
         tiles: tiles::starts(geometry, &first, params.alpha),
         brightness: first,
         density: vec![1.0; geometry.tiles as usize],
@@ -199,10 +207,10 @@ fn pilot<E: Engine>(
             engine.readout(&mut batch)?;
             h.extend(engine.irradiance(&batch)?);
         }
-        Ok((0..places.len())
+        Ok((0..sent.len())
             .map(|t| {
-                let rho = geometry.material_at(&places[t]).rho;
-                mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[t][k]) as f64))
+                let rho = geometry.material_of(geometry.tile_tri[t] as usize).rho;
+                mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[looks.of[t] as usize][k]) as f64))
             })
             .collect())
     })?;
@@ -330,13 +338,16 @@ fn network<E: Engine>(
             saved.keep(progress)?;
         }
 
-        // Rooms that see nothing of each other get cells of their own.
+        // Rooms that see nothing of each other get cells of their own, and sums of their own unit.
         let cell_count = clock.time(engine, "coefficients", |engine| {
             let mut components = Components::new(surface.nodes.len());
             let mut seen = Vec::new();
+            let (mut peaks, mut first) = (Peaks::new(surface.nodes.len()), 0);
             for batch in &batches {
                 let (points, psi) = (engine.points(batch)?, engine.psi(batch)?);
                 components.join(&points, &psi);
+                peaks.see(geometry, &points, &psi, saved.network.direct.get(first..first + points.len()).filter(|_| exact));
+                first += points.len();
                 seen.push((points, psi));
                 progress.tick()?;
             }
@@ -348,6 +359,7 @@ fn network<E: Engine>(
                 }
                 progress.tick()?;
             }
+            peaks.set_gains(geometry, &components.numbers(), &mut surface.nodes);
             Ok(splitter.cells())
         })?;
 
@@ -358,6 +370,8 @@ fn network<E: Engine>(
             let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
+            let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
+            nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark);
             engine.set_surface(&surface)?;
             if exact {
                 // The first bounce is known at every ray's end; it needs no cell.
@@ -429,8 +443,13 @@ pub(crate) fn batch_rays(rays: u32) -> u32 {
 }
 
 /// Rays of a bake's pilot.
-pub(crate) fn pilot_rays(params: &Params) -> u32 {
-    PILOT_RAYS.min(params.rays)
+pub(crate) fn pilot_rays(rays: u32) -> u32 {
+    PILOT_RAYS.min(rays)
+}
+
+/// The tiles that a pilot of so many rays looks at before any light is known.
+pub(crate) fn looks(geometry: &Geometry, rays: u32) -> Looks {
+    tiles::looks(geometry, if rays < PILOT_RAYS { LOOKS * rays } else { geometry.tiles })
 }
 
 /// What brings the weight of all rays together to 1 at most: they weigh 2 A / (1 - alpha).

@@ -50,7 +50,7 @@ pub fn run<E: Engine>(
         let own = own_light(geometry, &mesh, &leaves, &sampled, exact);
         let mut sweep = |light: &[NodeLight], n| Ok(links.jacobi(&own, &sampled.live, light, n));
         let dark = vec![NodeLight::default(); nodes.len()];
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
+        solver::iterate(&mut sweep, geometry, dark, &[], rule, progress, scene)
     })?;
 
     let cost = (links.stored(), links.evaluations);

@@ -13,6 +13,7 @@ use crate::doctor;
 use crate::effects;
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
+use crate::output::report::EffectReport;
 use crate::params::{Method, Mode, Norm, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
@@ -78,47 +79,80 @@ pub fn bake_from(
     saved: &mut Checkpoint,
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
+    let prepared = Prepared::new(scene, params, progress)?;
+    bake_prepared(backend, &prepared, params, saved, progress)
+}
+
+/// A scene made ready: what bakes of all sizes share.
+pub(crate) struct Prepared<'a> {
+    scene: &'a Scene,
+    geometry: Geometry,
+    warnings: Vec<String>,
+    effects: Vec<EffectReport>,
+    /// Seconds that it took.
+    seconds: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Makes a scene ready, and tells what is odd about it.
+    pub fn new(scene: &'a Scene, params: &Params, progress: &mut dyn FnMut(&Event) -> Flow) -> Result<Prepared<'a>> {
+        params.check()?;
+        let mut progress = Progress::new(progress);
+        progress.event(Event::Stage { name: "bvh" })?;
+        let start = Instant::now();
+        let geometry = Geometry::for_bake(scene, params)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let mut warnings = doctor::warnings(scene, &geometry);
+        if params.norm == Norm::Paper1997 {
+            warnings.push(PAPER_NORM.into());
+        }
+        for warning in &warnings {
+            progress.event(Event::Warning(warning.clone()))?;
+        }
+        let effects = effects::of(scene, &geometry);
+        Ok(Prepared { scene, geometry, warnings, effects, seconds })
+    }
+}
+
+/// As [`bake_from`], of a scene that is ready.
+pub(crate) fn bake_prepared(
+    backend: &Backend,
+    prepared: &Prepared,
+    params: &Params,
+    saved: &mut Checkpoint,
+    progress: &mut dyn FnMut(&Event) -> Flow,
+) -> Result<Solution> {
     params.check()?;
+    let Prepared { scene, geometry, warnings, effects, seconds: bvh } = prepared;
     let mut progress = Progress::new(progress);
-    progress.event(Event::Stage { name: "bvh" })?;
     let start = Instant::now();
-    let geometry = Geometry::for_bake(scene, params)?;
-    let bvh = start.elapsed().as_secs_f64();
     let resumed = !saved.is_empty();
-    saved.claim(Key::new(backend, scene, &geometry, params), &geometry)?;
-    let mut warnings = doctor::warnings(scene, &geometry);
-    if params.norm == Norm::Paper1997 {
-        warnings.push(PAPER_NORM.into());
-    }
-    for warning in &warnings {
-        progress.event(Event::Warning(warning.clone()))?;
-    }
-    let effects = effects::of(scene, &geometry);
-    let mut clock = Clock::default();
+    saved.claim(Key::new(backend, scene, geometry, params), geometry)?;
+    let (mut clock, warnings) = (Clock::default(), warnings.clone());
     let mut solution = match backend {
         Backend::Cpu => {
-            let engine = &mut TwinEngine::new(&geometry);
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut TwinEngine::new(geometry);
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
         Backend::Gpu(gpu) => {
-            let engine = &mut GpuEngine::new(gpu, &geometry)?;
-            whole(engine, scene, &geometry, params, warnings, saved, &mut clock, &mut progress)?
+            let engine = &mut GpuEngine::new(gpu, geometry)?;
+            whole(engine, scene, geometry, params, warnings, saved, &mut clock, &mut progress)?
         }
     };
 
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
-    report.effects = Some(effects);
+    report.effects = Some(effects.clone());
     report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
-    seconds.bvh = Some(bvh);
+    seconds.bvh = Some(*bvh);
     seconds.compile = clock.compile;
     seconds.train = (train > 0.0).then_some(train);
     seconds.coefficients = clock.get("coefficients");
     seconds.solve = clock.get("solve");
     seconds.direct = clock.get("direct");
-    seconds.total = Some(start.elapsed().as_secs_f64());
+    seconds.total = Some(bvh + start.elapsed().as_secs_f64());
     let net = &saved.network;
     let training = net.growth.as_ref().map(|g| g.training).unwrap_or_default();
     for (key, value) in [

@@ -5,9 +5,11 @@ use crate::checkpoint::{Checkpoint, unread};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{NONE, NodeLight, kind};
+use crate::network::nodes;
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::coefficients;
+use crate::radiosity::components::{Components, Peaks};
 use crate::radiosity::solver::{self, Rule};
 use crate::scene::{Geometry, Scene};
 
@@ -28,15 +30,24 @@ pub fn run<E: Engine>(
 
     // The nodes' masses and planes, of which no cell has a part.
     progress.event(Event::Stage { name: "coefficients" })?;
+    let mut rooms = Vec::new();
     let built = clock.time(engine, "coefficients", |engine| {
-        let mut directed = 0;
+        let (mut directed, mut first) = (0, 0);
+        let (mut all, mut peaks) = (Components::new(surface.nodes.len()), Peaks::new(surface.nodes.len()));
         for (batch, &points) in batches.iter_mut().zip(&lengths) {
             engine.set_winners(batch, &vec![NONE; points])?;
-            directed += engine.points(batch)?.iter().filter(|p| p.kind == kind::FRONT).count() as u64;
+            let (ends, psi) = (engine.points(batch)?, engine.psi(batch)?);
+            directed += ends.iter().filter(|p| p.kind == kind::FRONT).count() as u64;
+            all.join(&ends, &psi);
+            peaks.see(geometry, &ends, &psi, saved.network.direct.get(first..first + points).filter(|_| exact));
+            first += points;
         }
+        rooms = all.numbers();
+        peaks.set_gains(geometry, &rooms, &mut surface.nodes);
         let rays = params.rays as f32;
         let sums = engine.coefficients(&batches, exact, normalise, rays, 0, &mut || progress.tick())?;
         let built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, params.rays as f64);
+        nodes::leave_out_empty(geometry, &mut surface, &built.mass, nodes::worth_marking(geometry, params.rays));
         engine.set_surface(&surface)?;
         Ok(coefficients::Coefficients { stored: directed, ..built })
     })?;
@@ -60,7 +71,7 @@ pub fn run<E: Engine>(
             }
             Ok(light)
         };
-        solver::iterate(&mut sweep, geometry, dark, rule, progress, scene)
+        solver::iterate(&mut sweep, geometry, dark, &rooms, rule, progress, scene)
     })?;
     let net = &mut saved.network;
     net.coefficients = Some(coefficients::Coefficients { system: unread(&surface.nodes), ..built });

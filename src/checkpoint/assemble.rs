@@ -47,7 +47,7 @@ impl Checkpoint {
                 report.coefficients = c.stored;
                 report.kernel_evaluations = c.evaluations;
                 report.solver = SolverReport {
-                    method: word(&params.solver),
+                    method: format!("{}{}", word(&params.solver), if solved.accelerated { "+gmres" } else { "" }),
                     sweeps: solved.sweeps as u64,
                     residual: Some(solved.residual),
                     // A series that is broken off has no fixed point.

@@ -2,6 +2,7 @@
 
 use super::{Checkpoint, Key, Learned, Network, Pilot};
 use crate::accuracy::estimate::Evidence;
+use crate::bake::flux;
 use crate::error::Result;
 use crate::layout::{DirectSum, NodeLight};
 use crate::network::complex::Complex;
@@ -168,7 +169,8 @@ impl Checkpoint {
         let amounts = |x: &[f64], many: usize| x.len() == many && x.iter().all(|x| x.is_finite() && *x >= 0.0);
         let tiles = geometry.tiles as usize;
         let tile = |d: &DirectSum| finite(&d.sum);
-        if !self.tiles.iter().all(|t| t.len() == tiles && t.iter().all(tile)) {
+        let looks = || flux::looks(geometry, flux::pilot_rays(rays)).tiles.len();
+        if !self.tiles.iter().all(|t| t.len() == looks() && t.iter().all(tile)) {
             return Err("the light of its tiles does not fit the scene");
         }
         if let Some(p) = &self.pilot {

@@ -150,7 +150,7 @@ impl Checkpoint {
     /// What a whole bake with parameters `own` leaves for one with `next`, twice as large: the pilot, where both
     /// have the same. The larger one's bytes do not depend on it.
     pub(crate) fn next(&mut self, own: &Params, next: &Params) -> Checkpoint {
-        let pilot = self.pilot.take().filter(|_| flux::pilot_rays(own) == flux::pilot_rays(next));
+        let pilot = self.pilot.take().filter(|_| flux::pilot_rays(own.rays) == flux::pilot_rays(next.rays));
         Checkpoint { pilot, home: self.home.take(), ..Checkpoint::default() }
     }
 

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::memory;
 use crate::output::mesh::Mesh;
 use crate::output::report::Report;
-use crate::output::{glb, image, ply, points, report};
+use crate::output::{atomic, glb, image, ply, points, report};
 use crate::params::{EVERYWHERE, Params};
 use crate::progress::Event;
 use crate::scene::Scene;
@@ -112,6 +112,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let opening = opening.elapsed();
     let dir = &flags.output;
     std::fs::create_dir_all(dir).map_err(|source| Error::Write { path: dir.clone(), source })?;
+    atomic::check_folder(dir)?;
 
     // Bake and read out; everything is read out before the first result appears.
     let mut there = if flags.resume { kept::already(dir, &scene, &params, goal.is_some()) } else { None };
@@ -121,6 +122,8 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         report.adapter = machine.adapter.clone();
         report.memory_bytes.host = memory::peak();
         report.seconds.load = Some(load.as_secs_f64());
+        report.seconds.open = Some(opening.as_secs_f64());
+        report.seconds.compile = Some(machine.backend.compile_seconds());
         report.seconds.total = Some(begin.elapsed().as_secs_f64());
     };
     let mut safe = false;
@@ -131,8 +134,9 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
             fill(&mut report);
             report::write(&dir.join("report.json"), &report)?;
             safe = true;
-            asked.cost(&machine, solution)
+            Ok(())
         };
+        let mut readout = |solution: &Solution| asked.cost(&machine, solution);
         // Opening the device is start-up.
         let climb = Climb {
             goal,
@@ -140,6 +144,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
             solution: there.take(),
             begin: begin + opening,
             reached: &mut reached,
+            readout: &mut readout,
         };
         let climbed = accuracy::climb(&machine.backend, &scene, &params, climb, &mut |event| heed(&mut log, &stop, event));
         machine.judge("the bake", climbed)
@@ -185,6 +190,10 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         let report = solution.report_mut();
         fill(report);
         report.seconds.readout = Some(readout.as_secs_f64());
+        if report.target.as_ref().is_some_and(|target| target.rungs.is_empty()) {
+            // Nothing was baked: what the bake took was told then.
+            kept::recall(report, &dir.join("report.json"));
+        }
         report::write(&dir.join("report.json"), report)?;
         wrote("report.json", "");
         kept.done()?;

@@ -55,7 +55,7 @@ impl Mesh<'_> {
         let t = &self.geometry.tris[tri as usize];
         let (b1, b2) = place_on(self.geometry.flatland, dice.roll(), dice.roll());
         let n = Vec3::from(t.normal) * if front { 1.0 } else { -1.0 };
-        self.look_about(position(t, b1, b2), n, t.plane, dice)
+        self.look_about(position(self.geometry.flatland, t, b1, b2), n, t.plane, dice)
     }
 
     /// What is seen from a place in a random, cosine-distributed direction about `n`, and where it lies.

@@ -95,7 +95,7 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
         if through == Vec3::ZERO {
             break;
         }
-        (tri, p) = (hit.tri, position(there, hit.b1, hit.b2));
+        (tri, p) = (hit.tri, position(geometry.flatland, there, hit.b1, hit.b2));
         let u = sobol4(i, seed_of(SEED, 2 * n as u32 + 1));
         *arrived = mean(through * direct(geometry, tri, p, u));
     }
@@ -121,7 +121,7 @@ fn line(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Option<bool> {
     let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
     let there = &geometry.tris[geometry.emitters[e as usize].tri as usize];
     let (b1, b2) = place_on(geometry.flatland, place, unit(u[1]));
-    let x = position(there, b1, b2);
+    let x = position(geometry.flatland, there, b1, b2);
     let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, Vec3::from(here.normal));
     (g > 0.0 && there.plane != here.plane).then(|| segment_blocked(geometry, p, x, [here.plane, there.plane]))
 }

@@ -22,11 +22,55 @@ pub struct GpuVec<T> {
     _held: Arc<Held>,
 }
 
+/// What a kernel's binding is given.
+#[derive(Clone, Debug)]
+pub enum Bound {
+    /// A storage buffer.
+    Buffer(wgpu::Buffer),
+    /// Records as texels.
+    Texels(wgpu::TextureView),
+}
+
+impl Bound {
+    /// As a bind group takes it.
+    pub(super) fn resource(&self) -> wgpu::BindingResource<'_> {
+        match self {
+            Bound::Buffer(buffer) => buffer.as_entire_binding(),
+            Bound::Texels(view) => wgpu::BindingResource::TextureView(view),
+        }
+    }
+}
+
+impl From<&wgpu::Buffer> for Bound {
+    fn from(buffer: &wgpu::Buffer) -> Bound {
+        Bound::Buffer(buffer.clone())
+    }
+}
+
+impl From<&&wgpu::Buffer> for Bound {
+    fn from(buffer: &&wgpu::Buffer) -> Bound {
+        Bound::Buffer((*buffer).clone())
+    }
+}
+
+impl From<&Bound> for Bound {
+    fn from(bound: &Bound) -> Bound {
+        bound.clone()
+    }
+}
+
 /// Bytes that count in [`Gpu::device_bytes`] while this lives.
 #[derive(Debug)]
-struct Held {
+pub(super) struct Held {
     bytes: u64,
     total: Arc<AtomicU64>,
+}
+
+impl Held {
+    pub(super) fn new(total: &Arc<AtomicU64>, bytes: u64) -> Arc<Held> {
+        total.fetch_add(bytes, Ordering::Relaxed);
+        Arc::new(Held { bytes, total: total.clone() })
+    }
 }
 
 impl Drop for Held {
@@ -55,6 +99,11 @@ impl<T> GpuVec<T> {
     pub fn buffer(&self) -> &wgpu::Buffer {
         &self.buffer
     }
+
+    /// The same, beside bindings that may be no buffers.
+    pub fn bound(&self) -> Bound {
+        Bound::Buffer(self.buffer.clone())
+    }
 }
 
 impl<T: Pod> GpuVec<T> {
@@ -62,6 +111,7 @@ impl<T: Pod> GpuVec<T> {
     pub(super) fn allocate(
         device: &wgpu::Device,
         total: &Arc<AtomicU64>,
+        binding: u64,
         label: &'static str,
         len: usize,
         data: Option<&[T]>,
@@ -75,8 +125,8 @@ impl<T: Pod> GpuVec<T> {
         };
         let limits = device.limits();
         let need = (len as u64).saturating_mul(size_of::<T>() as u64);
-        if need > limits.max_storage_buffer_binding_size {
-            return Err(too_large("max_storage_buffer_binding_size", need, limits.max_storage_buffer_binding_size));
+        if need > binding {
+            return Err(too_large("max_storage_buffer_binding_size", need, binding));
         }
         if need > limits.max_buffer_size {
             return Err(too_large("max_buffer_size", need, limits.max_buffer_size));
@@ -85,8 +135,7 @@ impl<T: Pod> GpuVec<T> {
         let size = need.next_multiple_of(4).max(MIN_BYTES).max(size_of::<T>() as u64);
         let usage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let buffer = make(device, label, size, usage, data.map(bytemuck::cast_slice))?;
-        total.fetch_add(buffer.size(), Ordering::Relaxed);
-        let held = Arc::new(Held { bytes: buffer.size(), total: total.clone() });
+        let held = Held::new(total, buffer.size());
         Ok(GpuVec { buffer, len, label, of: PhantomData, _held: held })
     }
 }
@@ -102,7 +151,7 @@ impl Gpu {
     ///
     /// Errors: [`Error::Limit`] where it exceeds the device's binding or buffer size, [`Error::OutOfMemory`] where memory is short.
     pub fn alloc<T: Pod>(&self, label: &'static str, len: usize) -> Result<GpuVec<T>> {
-        let vec = GpuVec::allocate(&self.device, &self.bytes, label, len, None)?;
+        let vec = GpuVec::allocate(&self.device, &self.bytes, self.binding, label, len, None)?;
         // wgpu would clear it within the first submission that uses it; a host's frames take it in parts.
         if self.in_frames() {
             self.clear(&vec)?;
@@ -112,7 +161,7 @@ impl Gpu {
 
     /// A vector with the contents of a slice. Errors: those of [`Gpu::alloc`].
     pub fn upload<T: Pod>(&self, label: &'static str, data: &[T]) -> Result<GpuVec<T>> {
-        GpuVec::allocate(&self.device, &self.bytes, label, data.len(), Some(data))
+        GpuVec::allocate(&self.device, &self.bytes, self.binding, label, data.len(), Some(data))
     }
 
     /// Fills a vector with zero bits.

@@ -3,8 +3,9 @@
 //! Every kernel's `Params` starts with `base` and `count`: invocation `i < count` of a dispatch works on
 //! item `base + i`. The host writes both; the rest of `Params` belongs to the pass.
 
+use super::paged::Records;
 use super::work::{Route, Work};
-use super::{Gpu, GpuVec, Kernel, Pipeline, kernel::WORKGROUP};
+use super::{Access, Bound, Gpu, GpuVec, Kernel, Pipeline, kernel::WORKGROUP};
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use std::ops::Range;
@@ -32,7 +33,7 @@ pub struct Job {
     /// Work of an item, where 1 is all that a pass allows a dispatch.
     pub(super) share: f64,
     pipeline: Arc<Pipeline>,
-    buffers: Vec<wgpu::Buffer>,
+    buffers: Vec<Bound>,
     /// The parameters; `base` and `count` are not yet right.
     params: Vec<u8>,
     /// A slot for each dispatch of the whole job, and an empty one.
@@ -52,7 +53,7 @@ impl Slots {
         device: &wgpu::Device,
         label: &str,
         pipeline: &Pipeline,
-        buffers: &[wgpu::Buffer],
+        buffers: &[Bound],
         params: &[u8],
         ranges: &[Range<u32>],
     ) -> Slots {
@@ -73,10 +74,7 @@ impl Slots {
         let head = wgpu::BufferBinding { buffer: &uniform, offset: 0, size: wgpu::BufferSize::new(size as u64) };
         let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(head) }];
         entries.extend(
-            buffers
-                .iter()
-                .enumerate()
-                .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.as_entire_binding() }),
+            buffers.iter().enumerate().map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.resource() }),
         );
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
@@ -96,7 +94,7 @@ impl Job {
     fn encode_slot(&self, slots: &Slots, slot: usize, items: u32, pass: &mut wgpu::ComputePass) {
         pass.set_pipeline(&self.pipeline.pipeline);
         pass.set_bind_group(0, &slots.bind_group, &[slot as u32 * slots.stride]);
-        pass.dispatch_workgroups(items.div_ceil(WORKGROUP), 1, 1);
+        pass.dispatch_workgroups(items.div_ceil(self.pipeline.group), 1, 1);
     }
 
     /// Records dispatch `step` of the job.
@@ -134,14 +132,10 @@ impl Gpu {
     /// Binds a kernel to its buffers for `items` items, at most `chunk` a dispatch.
     ///
     /// `params` holds `base` and `count` in its first eight bytes; both are overwritten.
-    pub fn prepare<P: Pod>(
-        &self,
-        kernel: &Kernel,
-        params: &P,
-        buffers: &[&wgpu::Buffer],
-        items: usize,
-        chunk: u32,
-    ) -> Result<Arc<Job>> {
+    pub fn prepare<P: Pod, B>(&self, kernel: &Kernel, params: &P, buffers: &[B], items: usize, chunk: u32) -> Result<Arc<Job>>
+    where
+        for<'a> &'a B: Into<Bound>,
+    {
         assert_eq!(buffers.len(), kernel.buffers.len(), "{}: buffers", kernel.name);
         let items = u32::try_from(items).map_err(|_| Error::Limit {
             what: format!("kernel {}", kernel.name),
@@ -151,7 +145,7 @@ impl Gpu {
             cure: "use fewer rays or points",
         })?;
         let params = bytemuck::bytes_of(params).to_vec();
-        let buffers = buffers.iter().map(|&b| b.clone()).collect();
+        let buffers = buffers.iter().map(Into::into).collect();
         let job = self.bind(kernel, params, buffers, items, chunk)?;
         if job.pipeline.warm.get().is_none() {
             self.warm_up(vec![job.clone()])?;
@@ -159,10 +153,11 @@ impl Gpu {
         Ok(job)
     }
 
-    fn bind(&self, kernel: &Kernel, params: Vec<u8>, buffers: Vec<wgpu::Buffer>, items: u32, chunk: u32) -> Result<Arc<Job>> {
+    fn bind(&self, kernel: &Kernel, params: Vec<u8>, buffers: Vec<Bound>, items: u32, chunk: u32) -> Result<Arc<Job>> {
         let pipeline = self.pipeline(kernel)?;
         let share = 1.0 / f64::from(chunk.max(1));
-        let chunk = (chunk - chunk % WORKGROUP).clamp(WORKGROUP, MAX_CHUNK);
+        let most = MAX_CHUNK / WORKGROUP * self.group.min(WORKGROUP);
+        let chunk = (chunk - chunk % WORKGROUP).clamp(WORKGROUP, most);
         // One more slot stays empty: a dispatch of no items, for the driver's compiler.
         let mut ranges = Job::ranges(items, chunk);
         ranges.push(0..0);
@@ -180,8 +175,16 @@ impl Gpu {
         let slots = kernels.iter().map(|k| k.buffers.len()).max().unwrap_or(0);
         let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> =
             (0..slots).map(|_| self.upload("stand-in", &[[0; STAND_IN]])).collect::<Result<_>>()?;
+        let texels = match kernels.iter().any(|k| k.paged) {
+            true => Some(Records::page(self, "stand-in", &[[0u8; STAND_IN]])?),
+            false => None,
+        };
         let jobs = kernels.iter().map(|kernel| {
-            let buffers = stand_ins.iter().take(kernel.buffers.len()).map(|b| b.buffer().clone()).collect();
+            let buffers = kernel.buffers.iter().zip(&stand_ins).map(|(access, buffer)| match &texels {
+                Some(texels) if kernel.paged && *access == Access::Scene => texels.bound(),
+                _ => buffer.bound(),
+            });
+            let buffers = buffers.collect();
             self.bind(kernel, vec![0; STAND_IN], buffers, 0, WORKGROUP)
         });
         let jobs = jobs.collect::<Result<Vec<_>>>()?;
@@ -203,10 +206,30 @@ impl Gpu {
         Ok(())
     }
 
-    /// Runs a job, one submission a dispatch, so that no submission is long. Does not wait.
+    /// Runs a job, one submission a dispatch, so that no submission is long. Waits only where raycell submits and the job is
+    /// cut, for its first part: by how long that takes the others are cut.
     pub fn run_job(&self, job: &Arc<Job>) -> Result<()> {
-        for items in Job::ranges(job.items, job.chunk) {
+        if self.in_frames() {
+            // The host's frames cut it.
+            for items in Job::ranges(job.items, job.chunk) {
+                self.hand(|| job.name.to_string(), Work::Dispatch { job: job.clone(), items })?;
+            }
+            return Ok(());
+        }
+        let mut rest = 0..job.items;
+        while !rest.is_empty() {
+            let (count, measured) = self.paces.next(job, &rest);
+            let items = rest.start..rest.start + count;
+            rest.start += count;
+            if measured {
+                self.wait()?;
+            }
+            let start = Instant::now();
             self.hand(|| job.name.to_string(), Work::Dispatch { job: job.clone(), items })?;
+            if measured {
+                self.wait()?;
+                self.paces.took(job, count, start.elapsed().as_secs_f64());
+            }
         }
         Ok(())
     }
@@ -228,7 +251,10 @@ impl Gpu {
     }
 
     /// [`Gpu::prepare`] and [`Gpu::run_job`].
-    pub fn run<P: Pod>(&self, kernel: &Kernel, params: &P, buffers: &[&wgpu::Buffer], items: usize, chunk: u32) -> Result<()> {
+    pub fn run<P: Pod, B>(&self, kernel: &Kernel, params: &P, buffers: &[B], items: usize, chunk: u32) -> Result<()>
+    where
+        for<'a> &'a B: Into<Bound>,
+    {
         if items == 0 {
             return Ok(());
         }

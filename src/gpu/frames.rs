@@ -4,12 +4,11 @@
 //! submits it. How much fits into a slice is learnt from how long earlier slices took: by timestamps
 //! where the host's device has them, else from when the host hears that a slice is done.
 
-use super::Job;
+use super::pace::{DISPATCH, FASTER, GROWTH, Pace, part};
 use super::stamps::{Stamps, Timer};
 use super::work::Work;
 use crate::error::{Error, Result};
 use std::collections::{HashMap, VecDeque};
-use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
 use std::time::{Duration, Instant};
 
@@ -22,21 +21,14 @@ const TIMED: usize = 2;
 const UNTIMED: usize = 1;
 /// Bytes copied or cleared a second, as planned: slow enough for any bus.
 const COPY_RATE: f64 = 2e9;
-/// Seconds of a dispatch apart from its items.
-const DISPATCH: f64 = 50e-6;
 /// Part of a slice that the first items of a job may take.
 const FIRST: f64 = 1.0 / 3.0;
-/// How much a measurement may quicken a kernel's pace. Work of one kernel differs: what follows may be
-/// slower again, and that is heeded at once.
-const FASTER: f64 = 1.15;
 /// How much a measurement of several kernels together may slow each.
 const SLOWER: f64 = 3.0;
 /// Part of the time until the host hears of a slice that is taken for the device's, whatever the host's delay.
 const SURE: f64 = 0.1;
 /// Bytes that are not divided further.
 const PIECE: u64 = 1 << 18;
-/// How much a slice may outgrow the longest of its kernel so far: a first measurement may be far off.
-const GROWTH: f64 = 2.0;
 /// Part of the budget that is planned: estimates err.
 const PLANNED: f64 = 0.75;
 
@@ -60,17 +52,6 @@ struct State {
     unsubmitted: bool,
     /// Seconds until the host hears of a frame without a slice.
     delay: f64,
-}
-
-/// How long a kernel takes.
-#[derive(Clone, Copy, Debug)]
-struct Pace {
-    /// Seconds of all that its pass allows a dispatch.
-    seconds: f64,
-    /// The slowest of the job before: where a job begins, it may be as slow again.
-    slowest: f64,
-    /// Largest part of what its pass allows a dispatch in a slice so far.
-    tried: f64,
 }
 
 /// A slice on its way: which kernels it holds and what they were expected to take.
@@ -314,26 +295,15 @@ impl State {
         let items = (seconds - DISPATCH * slice.dispatches).max(0.0);
         let planned = slice.planned - DISPATCH * slice.dispatches;
         for &(name, share) in &slice.kernels {
-            let pace = self.paces.entry(name).or_insert(Pace { seconds: items / share, slowest: 0.0, tried: 0.0 });
-            pace.tried = pace.tried.max(share);
+            let pace = self.paces.entry(name).or_insert(Pace::of(items / share));
             // Each kernel's part of what was measured, as it was planned.
             let measured = match slice.kernels.len() {
                 1 => items / share,
                 _ => pace.seconds * (items / planned).clamp(1.0 / FASTER, SLOWER),
             };
-            pace.seconds = measured.max(pace.seconds / FASTER);
-            pace.slowest = pace.slowest.max(measured);
+            pace.learn(share, measured);
         }
     }
-}
-
-/// How many of the items that are left go into one dispatch: about a share `wanted` of what the pass
-/// allows; whole workgroups where there are any.
-fn part(job: &Job, rest: &Range<u32>, wanted: f64) -> u32 {
-    let group = super::kernel::WORKGROUP;
-    let items = ((wanted / job.share) as u32).max(1);
-    let whole = if items > group { items - items % group } else { items };
-    whole.min(rest.len() as u32)
 }
 
 impl std::fmt::Debug for State {

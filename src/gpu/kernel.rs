@@ -5,8 +5,10 @@ use crate::error::{Error, Result};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// Invocations in a workgroup, in every kernel.
+/// Invocations in a workgroup, in every kernel, unless [`Gpu::with_group`] says otherwise.
 pub const WORKGROUP: u32 = 64;
+/// As it stands in the kernels' text.
+const AS_WRITTEN: &str = "@workgroup_size(64)";
 
 /// How a kernel uses a storage buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +17,8 @@ pub enum Access {
     Read,
     /// `var<storage, read_write>`.
     Write,
+    /// Records of the scene: `var<storage, read>`, and texels where the kernel is [`Kernel::paged`].
+    Scene,
 }
 
 /// What the host knows of a kernel before it is compiled: a constant beside the pass that uses it.
@@ -28,20 +32,30 @@ pub struct Kernel {
     pub buffers: &'static [Access],
     /// Values of its `override` constants, where they are not the shader's own; another pipeline each.
     pub constants: Constants,
+    /// Whether the scene's records come as texels: another text, and another pipeline ([`super::paged`]).
+    pub paged: bool,
 }
 
 /// Names and values of `override` constants; a `bool` is 0 or 1.
 pub type Constants = &'static [(&'static str, u32)];
 
+/// What tells pipelines apart: the kernel's name, its constants, and whether the scene is paged.
+pub(super) type Key = (&'static str, Constants, bool);
+
 impl Kernel {
     /// A kernel with its shader's own constants.
     pub const fn new(name: &'static str, buffers: &'static [Access]) -> Kernel {
-        Kernel { name, buffers, constants: &[] }
+        Kernel { name, buffers, constants: &[], paged: false }
     }
 
     /// The kernel with other constants.
     pub const fn with(self, constants: Constants) -> Kernel {
         Kernel { constants, ..self }
+    }
+
+    /// The kernel for a scene whose records are paged, or not.
+    pub const fn paged(self, paged: bool) -> Kernel {
+        Kernel { paged, ..self }
     }
 }
 
@@ -50,6 +64,8 @@ impl Kernel {
 pub struct Pipeline {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
+    /// Invocations in a workgroup.
+    pub(super) group: u32,
     /// Seconds to make the pipeline.
     pub seconds: f64,
     /// Seconds of the first, empty dispatch: drivers put most of their compiling off until then.
@@ -63,7 +79,7 @@ impl Gpu {
     /// Errors: [`Error::Device`] with file and line where the shader is refused.
     pub fn pipeline(&self, kernel: &Kernel) -> Result<Arc<Pipeline>> {
         let mut cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
-        let key = (kernel.name, kernel.constants);
+        let key = (kernel.name, kernel.constants, kernel.paged);
         if let Some(found) = cache.get(&key) {
             return Ok(found.clone());
         }
@@ -75,7 +91,7 @@ impl Gpu {
     /// Names and compile seconds of the kernels made so far, by name.
     pub fn compile_seconds(&self) -> Vec<(&'static str, f64)> {
         let cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
-        let mut all: Vec<_> = cache.iter().map(|(&(name, _), p)| (name, p.seconds + p.warm.get().unwrap_or(&0.0))).collect();
+        let mut all: Vec<_> = cache.iter().map(|(&(name, ..), p)| (name, p.seconds + p.warm.get().unwrap_or(&0.0))).collect();
         all.sort_by_key(|&(name, _)| name);
         all
     }
@@ -84,7 +100,10 @@ impl Gpu {
         let start = Instant::now();
         let device = &self.device;
         let label = format!("raycell.{}", kernel.name);
-        let composed = wgsl::compose_mapped(kernel.name);
+        let mut composed = wgsl::compose(kernel.name, kernel.paged);
+        if self.group != WORKGROUP {
+            composed.source = composed.source.replace(AS_WRITTEN, &format!("@workgroup_size({})", self.group));
+        }
         let stage = || format!("compiling {}", kernel.name);
         let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, value.into())).collect();
 
@@ -101,20 +120,21 @@ impl Gpu {
         })?;
 
         // Lay out the bindings: the parameters, then the buffers.
-        let entry = |binding: u32, ty: wgpu::BufferBindingType| wgpu::BindGroupLayoutEntry {
+        let entry = |binding: u32, ty: wgpu::BindingType| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: binding == 0, min_binding_size: None },
+            ty,
             count: None,
         };
-        let mut entries = vec![entry(0, wgpu::BufferBindingType::Uniform)];
-        entries.extend(
-            kernel
-                .buffers
-                .iter()
-                .enumerate()
-                .map(|(i, &access)| entry(i as u32 + 1, wgpu::BufferBindingType::Storage { read_only: access == Access::Read })),
-        );
+        let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+        let mut entries = vec![entry(0, buffer(wgpu::BufferBindingType::Uniform, true))];
+        entries.extend(kernel.buffers.iter().enumerate().map(|(i, &access)| {
+            let ty = match access {
+                Access::Scene if kernel.paged => super::paged::BINDING,
+                _ => buffer(wgpu::BufferBindingType::Storage { read_only: access != Access::Write }, false),
+            };
+            entry(i as u32 + 1, ty)
+        }));
         self.scoped(stage, || {
             let layout =
                 device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
@@ -134,7 +154,7 @@ impl Gpu {
                 },
                 cache: None,
             });
-            Pipeline { pipeline, layout, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }
+            Pipeline { pipeline, layout, group: self.group, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }
         })
     }
 }

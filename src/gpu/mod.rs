@@ -12,6 +12,9 @@ mod failure;
 pub(crate) mod frames;
 #[doc(hidden)]
 pub mod kernel;
+mod pace;
+#[doc(hidden)]
+pub mod paged;
 mod publish;
 #[doc(hidden)]
 pub mod readback;
@@ -23,18 +26,21 @@ pub mod wgsl;
 mod work;
 
 #[doc(hidden)]
-pub use buffer::GpuVec;
+pub use buffer::{Bound, GpuVec};
 #[doc(hidden)]
 pub use dispatch::{HEAVY, Job, LIGHT};
 pub use failure::Watch;
 #[doc(hidden)]
 pub use kernel::{Access, Constants, Kernel, Pipeline};
+#[doc(hidden)]
+pub use paged::Records;
 
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use frames::Frames;
+use pace::Paces;
 use stamps::Times;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 use work::Route;
@@ -45,12 +51,19 @@ pub struct Gpu {
     /// The host's device.
     pub device: wgpu::Device,
     route: Route,
-    kernels: Mutex<HashMap<(&'static str, Constants), Arc<Pipeline>>>,
+    kernels: Mutex<HashMap<kernel::Key, Arc<Pipeline>>>,
     times: Times,
+    paces: Paces,
     /// A flag a kernel, raised where a loop did not come to its end.
     status: GpuVec<u32>,
     /// Bytes that vectors hold on the device.
     bytes: Arc<AtomicU64>,
+    /// Bytes that a binding may hold.
+    binding: u64,
+    /// Bytes of a scene's records beyond which they are paged.
+    whole: u64,
+    /// Invocations in a workgroup.
+    group: u32,
 }
 
 /// Storage buffers a kernel may bind.
@@ -117,8 +130,51 @@ impl Gpu {
         Self::check_limits(device)?;
         let device = device.clone();
         let bytes = Arc::default();
-        let status = GpuVec::allocate(&device, &bytes, "status", wgsl::KERNELS.len(), None)?;
-        Ok(Gpu { device, route, kernels: Mutex::default(), times: Times::default(), status, bytes })
+        let binding = device.limits().max_storage_buffer_binding_size;
+        let status = GpuVec::allocate(&device, &bytes, binding, "status", wgsl::KERNELS.len(), None)?;
+        Ok(Gpu {
+            device,
+            route,
+            kernels: Mutex::default(),
+            times: Times::default(),
+            paces: Paces::default(),
+            status,
+            bytes,
+            binding,
+            whole: binding,
+            group: kernel::WORKGROUP,
+        })
+    }
+
+    /// The same with workgroups of another size, 32 to 256: no result may depend on it (hard case G04).
+    #[doc(hidden)]
+    pub fn with_group(self, group: u32) -> Gpu {
+        Gpu { group, kernels: Mutex::default(), ..self }
+    }
+
+    /// The same with smaller bindings than the device has: what exceeds them is paged, or refused.
+    #[doc(hidden)]
+    pub fn with_bindings_of(self, bytes: u64) -> Gpu {
+        let binding = bytes.min(self.binding);
+        Gpu { binding, whole: binding, ..self }
+    }
+
+    /// The same with all scenes paged, whatever their size.
+    #[doc(hidden)]
+    pub fn with_paged_scenes(self) -> Gpu {
+        Gpu { whole: 0, ..self }
+    }
+
+    /// From now on every dispatch is waited for and timed: for tests, and to see that none is long.
+    #[doc(hidden)]
+    pub fn measure_dispatches(&self) {
+        self.paces.measure_all();
+    }
+
+    /// Seconds of each kernel's longest dispatch, of those that were timed.
+    #[doc(hidden)]
+    pub fn longest_dispatches(&self) -> BTreeMap<&'static str, f64> {
+        self.paces.longest()
     }
 
     /// The buffer of finished flags, to bind as `status`.

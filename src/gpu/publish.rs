@@ -51,7 +51,8 @@ impl Gpu {
                 })
             },
         )?;
-        let work = Work::Fill { from, bytes_per_row: stride as u32, to: texture.clone() };
+        let (at, size) = (wgpu::Origin3d::ZERO, texture.size());
+        let work = Work::Fill { from, bytes_per_row: stride as u32, to: texture.clone(), at, size };
         self.hand(|| format!("filling texture '{label}'"), work)?;
         Ok(texture)
     }

@@ -2,6 +2,9 @@
 //!
 //! A line `#import name` (at the start of a line) pulls in `wgsl/lib/name.wgsl` once. There are no
 //! conditionals. A line map leads every line of the composed text back to its file.
+//!
+//! Of kernels that look at triangles there is a second text, for scenes that exceed one binding ([`super::paged`]):
+//! the bindings of [`PAGED`] are textures there, and the modules that read them have others in their place.
 
 /// Embeds `wgsl/<folder><name>.wgsl` under its name.
 macro_rules! sources {
@@ -14,8 +17,25 @@ macro_rules! sources {
 pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather", "respond"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] =
-    sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface"];
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "boxes", "boxes_paged", "triangles", "triangles_paged"];
+
+/// What differs where the scene is paged: the module that reads records, the one in its place, and the binding's type.
+const PAGED: [(&str, &str, &str); 2] =
+    [("boxes", "boxes_paged", "array<BvhNode>"), ("triangles", "triangles_paged", "array<Tri>")];
+/// Type of a binding of paged records.
+const TEXELS: &str = "texture_2d_array<u32>";
+
+/// A line of a kernel for a paged scene.
+fn paged_line(line: &str) -> String {
+    for (_, _, ty) in PAGED {
+        if let Some((start, rest)) = line.split_once("var<storage, read> ")
+            && let Some((name, rest)) = rest.split_once(&format!(": {ty}"))
+        {
+            return format!("{start}var {name}: {TEXELS}{rest}");
+        }
+    }
+    line.into()
+}
 
 /// A kernel with its imports.
 #[derive(Clone, Debug)]
@@ -40,11 +60,11 @@ fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
     list.iter().find(|(n, _)| *n == name).map(|&(_, text)| text)
 }
 
-/// The full text of a kernel and where its lines come from.
+/// The full text of a kernel and where its lines come from; `paged` for a scene that exceeds one binding.
 ///
 /// Panics where the kernel or an import does not exist: the sources are embedded, so that is a
 /// mistake of this crate, which its tests find.
-pub fn compose_mapped(kernel: &str) -> Composed {
+pub fn compose(kernel: &str, paged: bool) -> Composed {
     let text = find(KERNELS, kernel).unwrap_or_else(|| panic!("no kernel wgsl/{kernel}.wgsl"));
     let mut composed = Composed { source: String::new(), lines: Vec::new() };
     let mut queue = vec![(format!("wgsl/{kernel}.wgsl"), text)];
@@ -58,6 +78,7 @@ pub fn compose_mapped(kernel: &str) -> Composed {
             composed.lines.push((file.clone(), i + 1));
             if let Some(name) = line.strip_prefix("#import ") {
                 let name = name.trim();
+                let name = PAGED.iter().find(|p| paged && p.0 == name).map_or(name, |p| p.1);
                 if !seen.contains(&name) {
                     let lib = find(LIBS, name).unwrap_or_else(|| panic!("{file}:{}: no wgsl/lib/{name}.wgsl", i + 1));
                     seen.push(name);
@@ -66,7 +87,7 @@ pub fn compose_mapped(kernel: &str) -> Composed {
                 // Keep the line count.
                 composed.source.push_str("//");
             }
-            composed.source.push_str(line);
+            composed.source.push_str(&if paged { paged_line(line) } else { line.into() });
             composed.source.push('\n');
         }
     }

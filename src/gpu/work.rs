@@ -15,7 +15,7 @@ pub(crate) enum Work {
     /// Bytes from one buffer to another.
     Copy { from: wgpu::Buffer, start: u64, to: wgpu::Buffer, at: u64, bytes: u64 },
     /// Rows of texels from a buffer to a texture.
-    Fill { from: wgpu::Buffer, bytes_per_row: u32, to: wgpu::Texture },
+    Fill { from: wgpu::Buffer, bytes_per_row: u32, to: wgpu::Texture, at: wgpu::Origin3d, size: wgpu::Extent3d },
     /// Zero bits.
     Clear { buffer: wgpu::Buffer, start: u64, bytes: u64 },
     /// Items of a job, no more than it allows a dispatch.
@@ -31,12 +31,12 @@ impl Work {
     pub(super) fn record(self, device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder) {
         match self {
             Work::Copy { from, start, to, at, bytes } => encoder.copy_buffer_to_buffer(&from, start, &to, at, Some(bytes)),
-            Work::Fill { from, bytes_per_row, to } => {
+            Work::Fill { from, bytes_per_row, to, at, size } => {
                 let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes_per_row), rows_per_image: None };
                 encoder.copy_buffer_to_texture(
                     wgpu::TexelCopyBufferInfo { buffer: &from, layout },
-                    to.as_image_copy(),
-                    to.size(),
+                    wgpu::TexelCopyTextureInfo { origin: at, ..to.as_image_copy() },
+                    size,
                 );
             }
             Work::Clear { buffer, start, bytes } => encoder.clear_buffer(&buffer, start, Some(bytes)),

@@ -1,6 +1,7 @@
 //! The host's part of both networks: the cells' topology and growth, the nodes of the surface.
 
 pub mod complex;
+pub mod groups;
 pub mod growth;
 pub mod nodes;
 pub mod pairs;

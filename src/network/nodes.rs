@@ -1,15 +1,16 @@
 //! The surface network: nodes on live surface points, and each tile's candidates (design §1, step 4).
 
+use super::groups;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Candidate, Node, Point};
+use crate::layout::{Candidate, NONE, Node, Point};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
-use crate::twin::assign::{CONE, LIFT, NEAREST, Surface};
+use crate::twin::assign::{CONE, LIFT, NEAREST, Surface, crossed};
 use crate::twin::gather::Gathered;
 use crate::twin::math::{invert_cdf, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{place_in_tile, surface_point};
+use crate::twin::trace::{Ray, closest, place_in_tile, surface_point};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -157,7 +158,12 @@ pub fn place_nodes<E: Engine>(
     let all: Vec<usize> = (0..points.len()).collect();
     add_nodes(geometry, &mut surface, &points, &places, &all, count);
     progress.tick()?;
-    find_candidates(geometry, &mut surface);
+    // Until all nodes are there, only the training points' own tiles are asked of.
+    let mut asked = vec![false; geometry.tiles as usize];
+    for p in points.iter().filter(|p| p.tile != NONE) {
+        asked[p.tile as usize] = true;
+    }
+    list_candidates(geometry, &mut surface, |tile| asked[tile]);
     engine.set_surface(&surface)?;
 
     // Orphans get nodes of their own.
@@ -176,13 +182,14 @@ pub fn place_nodes<E: Engine>(
             break;
         }
         add_nodes(geometry, &mut surface, &points, &places, &orphans, more);
-        find_candidates(geometry, &mut surface);
+        list_candidates(geometry, &mut surface, |tile| asked[tile]);
         engine.set_surface(&surface)?;
     }
+    find_candidates(geometry, &mut surface);
     if mark {
         mark_free(geometry, &mut surface);
-        engine.set_surface(&surface)?;
     }
+    engine.set_surface(&surface)?;
     Ok(surface)
 }
 
@@ -206,26 +213,60 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
         for i in k_means(&own, share) {
             let p = &points[members[i]];
             let tri = &geometry.tris[p.tri as usize];
-            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, ..Node::default() });
+            surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, gain: 1.0, ..Node::default() });
         }
     }
 }
 
-/// Lists for every tile the nodes that can be among the nearest of any of its points.
+/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points, and looks up from
+/// each node.
 pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
+    list_candidates(geometry, surface, |_| true);
+}
+
+/// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty, where they have their own.
+fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
+    surface.nodes.par_iter_mut().for_each(|n| {
+        n.clear = closest(
+            geometry,
+            &Ray { origin: Vec3::from(n.p), direction: Vec3::from(n.n), t_max: f32::MAX, skip: [n.plane, NONE] },
+        )
+        .t
+    });
+    surface.groups = geometry.groups.clone();
+    let rows = match &surface.groups {
+        Some(groups) => groups::candidates(geometry, surface, groups),
+        None => candidates_of_tiles(geometry, surface, asked),
+    };
+    surface.offsets = vec![0];
+    surface.candidates.clear();
+    for row in rows {
+        surface.candidates.extend(row);
+        surface.offsets.push(surface.candidates.len() as u32);
+    }
+}
+
+/// The lists of [`list_candidates`], one each tile.
+fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(usize) -> bool + Sync) -> Vec<Vec<Candidate>> {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
     // Boxes a few node spacings wide hold all that most tiles need.
     let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
     let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
     let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
-    for (i, n) in surface.nodes.iter().enumerate() {
+    for (i, n) in surface.nodes.iter().enumerate().filter(|(_, n)| n.gain >= 0.0) {
         by_material[n.material as usize].push(i as u32);
         boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
     }
-    let rows: Vec<Vec<Candidate>> = (0..geometry.tiles as usize)
+    // Tiles follow each other by place: most find the boxes around them where the one before had them.
+    type Around = (Option<(u32, [i32; 3])>, Vec<u32>);
+    (0..geometry.tiles as usize)
         .into_par_iter()
-        .map(|tile| {
+        .with_min_len(256)
+        .map_init(Around::default, |(last, around), tile| {
+            if !asked(tile) {
+                return Vec::new();
+            }
             let t = geometry.tile_tri[tile];
             let tri = &geometry.tris[t as usize];
             let own = &by_material[tri.material as usize];
@@ -254,8 +295,12 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
                 (near, reach)
             };
             let [x, y, z] = box_of(centre);
-            let around = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
-            let (mut near, reach) = within_reach(around.flatten().filter_map(measure).collect());
+            let here = Some((tri.material, [x, y, z]));
+            if *last != here {
+                let boxes = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
+                (*last, *around) = (here, boxes.flatten().copied().collect());
+            }
+            let (mut near, reach) = within_reach(around.iter().filter_map(measure).collect());
             if reach > 0.999 * width {
                 near = within_reach(own.iter().filter_map(measure).collect()).0;
             }
@@ -263,18 +308,29 @@ pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
 
             near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
         })
-        .collect();
-    surface.offsets = vec![0];
-    surface.candidates.clear();
-    for row in rows {
-        surface.candidates.extend(row);
-        surface.offsets.push(surface.candidates.len() as u32);
-    }
+        .collect()
 }
 
-/// Whether so many rays save more by marks than finding them takes.
+/// Leaves out the nodes that no ray has met, whose light nobody knows: a point near them is better gathered for. Returns
+/// whether there were any.
+pub fn leave_out_empty(geometry: &Geometry, surface: &mut Surface, mass: &[f64], mark: bool) -> bool {
+    let mut any = false;
+    for (node, _) in surface.nodes.iter_mut().zip(mass).filter(|(_, m)| **m <= 0.0) {
+        node.gain = -1.0;
+        any = true;
+    }
+    if any {
+        find_candidates(geometry, surface);
+        if mark {
+            mark_free(geometry, surface);
+        }
+    }
+    any
+}
+
+/// Whether so many rays save more by marks than finding them takes. Lists that tiles share have none.
 pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
-    rays >= geometry.tiles
+    rays >= geometry.tiles && geometry.groups.is_none()
 }
 
 /// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its
@@ -304,7 +360,7 @@ pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
     // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
     [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
         let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, a, b);
-        crate::twin::trace::position(t, b1, b2)
+        crate::twin::trace::corner_position(t, b1, b2)
     })
 }
 
@@ -319,6 +375,10 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
     for node in nodes {
         let q = Vec3::from(node.p);
         for &c in corners {
+            // Their own planes may stand between them.
+            if crossed(c, n, plane, node) != [plane, node.plane] {
+                return false;
+            }
             let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
             // Segments start at the lift, so the surface itself is not in the box.
             take(c + n * lift);
@@ -349,4 +409,30 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
         }
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Flow;
+    use crate::scene::{Material, Scene, shapes};
+    use crate::twin::TwinEngine;
+
+    #[test]
+    fn a_surface_is_the_same_placed_or_read() {
+        // A block on the floor: orphans beside it, tiles that no training point lies in.
+        let room = shapes::room([0.0; 3], [1.0; 3], [0; 6]);
+        let solid = [room, shapes::block([0.4, 0.0, 0.4], [0.5, 0.02, 0.5], 0)].concat();
+        let materials = vec![Material::new("grey", [0.5; 3], [0.0; 3])];
+        let geometry = Geometry::new(&Scene::from_triangles("room", &solid, materials).unwrap()).unwrap();
+        let density = vec![1.0; geometry.tiles as usize];
+        for mark in [false, true] {
+            let quiet = &mut |_: &_| Flow::Continue;
+            let engine = &mut TwinEngine::new(&geometry);
+            let placed = place_nodes(engine, &geometry, &density, 60, 0.3, 5, mark, &mut Progress::new(quiet)).unwrap();
+            let read = surface_of(&geometry, placed.nodes.clone(), 0.3, mark);
+            assert!(placed.offsets == read.offsets && placed.candidates == read.candidates);
+            assert!(placed.offsets.windows(2).all(|w| w[0] < w[1]), "a tile without candidates");
+        }
+    }
 }

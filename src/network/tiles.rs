@@ -3,13 +3,13 @@
 use super::nodes::{place_on_tile, tile_corners};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::hash::NumberMap;
 use crate::layout::{DirectSum, Point, Tile, kind};
 use crate::progress::Progress;
 use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::{invert_cdf, seed_of, unit};
 use crate::twin::sobol::sobol4;
-use std::collections::HashMap;
 
 /// Points in flight.
 const BATCH: usize = 65_536;
@@ -19,13 +19,56 @@ pub fn mean(x: &[f64; 3]) -> f64 {
     (x[0] + x[1] + x[2]) / 3.0
 }
 
-/// A random point of every tile.
+/// A random point of every tile; where tiles are in groups, of one tile each group.
 pub fn places(geometry: &Geometry, seed: u32) -> Vec<Point> {
-    let place = |t| {
+    places_of(geometry, &looks(geometry, geometry.tiles).tiles, seed)
+}
+
+/// A random point of each of some tiles.
+pub fn places_of(geometry: &Geometry, tiles: &[u32], seed: u32) -> Vec<Point> {
+    let place = |&t| {
         let u = sobol4(t, seed);
         place_of_tile(geometry, t, unit(u[0]), unit(u[1]))
     };
-    (0..geometry.tiles).map(place).collect()
+    tiles.iter().map(place).collect()
+}
+
+/// Which tiles are looked at, and who speaks for the others.
+pub struct Looks {
+    /// The tiles that are looked at.
+    pub tiles: Vec<u32>,
+    /// For each tile the place in `tiles` of the one that speaks for it.
+    pub of: Vec<u32>,
+}
+
+/// Every tile, or group of them, by itself; where there are more than `looks`, one for all of a material that face about one way and
+/// lie in a box as wide as so many looks lie apart.
+pub fn looks(geometry: &Geometry, looks: u32) -> Looks {
+    let own = geometry.groups.as_ref().map_or(geometry.tiles as usize, |groups| groups.len());
+    if looks as usize >= own {
+        return match &geometry.groups {
+            None => Looks { tiles: (0..geometry.tiles).collect(), of: (0..geometry.tiles).collect() },
+            Some(groups) => Looks { tiles: groups.tiles(), of: groups.of_tile.clone() },
+        };
+    }
+    let width = geometry.spacing(looks as usize);
+    let key = |t: u32| {
+        let tri = &geometry.tris[geometry.tile_tri[t as usize] as usize];
+        let axis = (0..3).fold(0, |a, k| if tri.normal[k].abs() > tri.normal[a].abs() { k } else { a });
+        let c = tile_corners(geometry, t);
+        let at = ((c[0] + c[1] + c[2]) / 3.0).to_array().map(|x| (f64::from(x) / width).floor() as i32);
+        (tri.material, axis, tri.normal[axis] < 0.0, at)
+    };
+    let mut first = NumberMap::default();
+    let mut tiles = Vec::new();
+    let of = (0..geometry.tiles).map(|t| {
+        *first.entry(key(t)).or_insert_with(|| {
+            tiles.push(t);
+            tiles.len() as u32 - 1
+        })
+    });
+    let of = of.collect();
+    Looks { tiles, of }
 }
 
 /// `count` points drawn by start densities.
@@ -43,7 +86,7 @@ fn place_of_tile(geometry: &Geometry, tile: u32, u: f32, v: f32) -> Point {
     Point { tile, kind: kind::FRONT, ..place_on_tile(geometry, tile, u, v) }
 }
 
-/// A first estimate of direct light at every tile's point.
+/// A first estimate of direct light at some tiles' points.
 pub fn direct<E: Engine>(
     engine: &mut E,
     places: &[Point],
@@ -111,7 +154,7 @@ pub fn node_density<E: Engine>(
 
     // Average over the tiles of one piece that share a box three tiles wide.
     let width = 3.0 * geometry.spacing(TILES as usize);
-    let mut bins: HashMap<[i64; 4], (f64, f64)> = HashMap::new();
+    let mut bins: NumberMap<[i64; 4], (f64, f64)> = NumberMap::default();
     let key = |t: usize| {
         let c = tile_corners(geometry, t as u32);
         let c = (c[0] + c[1] + c[2]) / 3.0;
@@ -132,4 +175,29 @@ pub fn node_density<E: Engine>(
         .sum();
     let average = live / geometry.area;
     Ok(sharp.iter().map(|s| 0.2 + 0.8 * if average > 0.0 { (s / average).min(30.0) } else { 1.0 }).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Scene, shapes};
+
+    #[test]
+    fn a_look_speaks_for_tiles_like_its_own() {
+        let room = shapes::room([0.0; 3], [1.0; 3], [0, 1, 0, 1, 0, 1]);
+        let materials = vec![Material::new("a", [0.5; 3], [0.0; 3]), Material::new("b", [0.2; 3], [1.0; 3])];
+        let geometry = Geometry::new(&Scene::from_triangles("room", &shapes::cut(&room, 8), materials).unwrap()).unwrap();
+        let own = looks(&geometry, geometry.tiles);
+        assert!(own.tiles == own.of && own.tiles.len() == geometry.tiles as usize);
+        let some = looks(&geometry, 1_000);
+        // A box may cut a wall's share in two, or in four.
+        assert!((500..4_000).contains(&some.tiles.len()), "{} of {}", some.tiles.len(), geometry.tiles);
+        let width = geometry.spacing(1_000) as f32;
+        for (t, look) in some.of.iter().map(|&i| some.tiles[i as usize]).enumerate() {
+            let [a, b] = [t as u32, look].map(|t| &geometry.tris[geometry.tile_tri[t as usize] as usize]);
+            assert!(a.material == b.material && a.normal == b.normal, "{t} {look}");
+            let [a, b] = [t as u32, look].map(|t| tile_corners(&geometry, t).into_iter().sum::<glam::Vec3>() / 3.0);
+            assert!((a - b).abs().max_element() <= width, "{t} {look}");
+        }
+    }
 }

@@ -19,6 +19,14 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     result.map_err(|source| Error::Write { path: path.into(), source })
 }
 
+/// Refuses a folder in which no file can be made, before work is done for it. Errors: [`Error::Write`].
+pub fn check_folder(path: &Path) -> Result<()> {
+    let probe = path.join(format!(".raycell.{}.tmp", std::process::id()));
+    let made = OpenOptions::new().write(true).create(true).truncate(true).open(&probe);
+    let gone = made.and_then(|_| std::fs::remove_file(&probe));
+    gone.map_err(|source| Error::Write { path: path.into(), source })
+}
+
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidInput))?;
     let folder = match path.parent() {

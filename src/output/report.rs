@@ -101,6 +101,9 @@ pub struct EffectReport {
 pub struct Seconds {
     /// Reading the scene.
     pub load: Option<f64>,
+    /// Opening the device.
+    #[serde(default)]
+    pub open: Option<f64>,
     /// Building the hierarchy.
     pub bvh: Option<f64>,
     /// Compiling kernels, the driver's part included.
@@ -226,7 +229,7 @@ pub struct TargetReport {
 pub struct RungReport {
     /// Light rays.
     pub rays: u32,
-    /// Wall time of its bake, compiling included.
+    /// Wall time of its bake, without compiling.
     pub seconds: f64,
     /// Its estimated error.
     pub rrmse: f64,

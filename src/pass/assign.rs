@@ -16,8 +16,8 @@ params!(
         lambda: f32,
         /// Where the candidates begin.
         first_list: u32,
-        /// Padding.
-        pad0: u32,
+        /// Where the starts of lists begin that tiles share; 0: each tile has its own.
+        joint: u32,
         /// Padding.
         pad1: u32,
     }
@@ -25,7 +25,7 @@ params!(
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "assign",
-    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 );
 
 /// The weights of many points, looked at in the order of `order`, a permutation of them.
@@ -42,17 +42,18 @@ pub fn assign(
         inv_unit: surface.inv_unit,
         lambda: surface.lambda,
         first_list: surface.first_list,
+        joint: surface.joint,
         ..Params::default()
     };
     let buffers = [
-        scene.nodes.buffer(),
-        scene.tris.buffer(),
-        surface.nodes.buffer(),
-        surface.lists.buffer(),
-        points.buffer(),
-        order.buffer(),
-        psi.buffer(),
-        gpu.status(),
+        scene.nodes.bound(),
+        scene.tris.bound(),
+        surface.nodes.bound(),
+        surface.lists.bound(),
+        points.bound(),
+        order.bound(),
+        psi.bound(),
+        gpu.status().into(),
     ];
     gpu.run(&scene.kernel(KERNEL), &params, &buffers, points.len(), HEAVY)?;
     Ok(psi)

@@ -60,7 +60,7 @@ pub(super) const KERNEL: Kernel = Kernel::new(
     &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write, Access::Write],
 );
 pub(super) const FLUX: Kernel =
-    Kernel::new("flux", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write]);
+    Kernel::new("flux", &[Access::Read, Access::Read, Access::Scene, Access::Read, Access::Read, Access::Write]);
 
 /// A batch of rays and what is known of them.
 #[derive(Clone, Copy, Debug)]
@@ -162,14 +162,14 @@ fn flux(gpu: &Gpu, scene: &SceneBuffers, batches: &[Rays], normalise: f32, cells
     for batch in batches {
         let params = FluxParams { exact: batch.direct.is_some() as u32, normalise, ..FluxParams::default() };
         let buffers = [
-            batch.points.buffer(),
-            batch.winners.buffer(),
-            scene.tris.buffer(),
-            scene.materials.buffer(),
-            batch.direct.unwrap_or(&none).buffer(),
-            sums.buffer(),
+            batch.points.bound(),
+            batch.winners.bound(),
+            scene.tris.bound(),
+            scene.materials.bound(),
+            batch.direct.unwrap_or(&none).bound(),
+            sums.bound(),
         ];
-        gpu.run(&FLUX, &params, &buffers, batch.points.len(), LIGHT)?;
+        gpu.run(&scene.reader(FLUX), &params, &buffers, batch.points.len(), LIGHT)?;
     }
     gpu.read(&sums)
 }

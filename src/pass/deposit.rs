@@ -21,7 +21,7 @@ pub struct Params {
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "deposit",
-    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write],
+    &[Access::Read, Access::Read, Access::Read, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Write],
 );
 
 /// Adds one batch to `sums`, one a node; see [`crate::twin::deposit::deposit`].
@@ -41,14 +41,14 @@ pub fn deposit(
     let known = light.is_some() as u32 | (direct.is_some() as u32) << 1;
     let params = Params { known, normalise, ..Params::default() };
     let buffers = [
-        points.buffer(),
-        psi.buffer(),
-        surface.nodes.buffer(),
-        scene.tris.buffer(),
-        scene.materials.buffer(),
-        direct.unwrap_or(&none).buffer(),
-        light.unwrap_or(&dark).buffer(),
-        sums.buffer(),
+        points.bound(),
+        psi.bound(),
+        surface.nodes.bound(),
+        scene.tris.bound(),
+        scene.materials.bound(),
+        direct.unwrap_or(&none).bound(),
+        light.unwrap_or(&dark).bound(),
+        sums.bound(),
     ];
-    gpu.run(&KERNEL, &params, &buffers, points.len(), LIGHT)
+    gpu.run(&scene.reader(KERNEL), &params, &buffers, points.len(), LIGHT)
 }

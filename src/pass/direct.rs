@@ -37,7 +37,7 @@ params!(
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "direct",
-    &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
 );
 
 /// Adds rounds `first..first + rounds` to the sums of the points listed in `active`.
@@ -55,14 +55,14 @@ pub fn direct(
     let (emitter, cosine) = (samples.emitter, samples.cosine);
     let rays = (emitter + cosine).max(1);
     let buffers = [
-        scene.nodes.buffer(),
-        scene.tris.buffer(),
-        scene.materials.buffer(),
-        scene.emitters.buffer(),
-        points.buffer(),
-        active.buffer(),
-        sums.buffer(),
-        gpu.status(),
+        scene.nodes.bound(),
+        scene.tris.bound(),
+        scene.materials.bound(),
+        scene.emitters.bound(),
+        points.bound(),
+        active.bound(),
+        sums.bound(),
+        gpu.status().into(),
     ];
     // As many rounds a dispatch as keep an invocation short.
     let mut done = 0;

@@ -56,8 +56,9 @@ pub struct ProbeParams {
 }
 
 pub(super) const KERNEL: Kernel =
-    Kernel::new("emit", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write]);
-pub(super) const PROBE: Kernel = Kernel::new("probe", &[Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
+    Kernel::new("emit", &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write]);
+pub(super) const PROBE: Kernel =
+    Kernel::new("probe", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.
 pub fn emit(
@@ -75,18 +76,18 @@ pub fn emit(
     let params =
         Params { flag: gpu.flag(&KERNEL), seed, first, total, tiles: tiles.len() as u32, rays: count, bits, ..Params::default() };
     let buffers = [
-        scene.nodes.buffer(),
-        scene.tris.buffer(),
-        tiles.buffer(),
-        scene.tile_tri.buffer(),
-        points.buffer(),
-        suspects.buffer(),
-        gpu.status(),
+        scene.nodes.bound(),
+        scene.tris.bound(),
+        tiles.bound(),
+        scene.tile_tri.bound(),
+        points.bound(),
+        suspects.bound(),
+        gpu.status().into(),
     ];
     let invocations = if count == 0 { 0 } else { 1 << bits };
     gpu.run(&scene.kernel(KERNEL), &params, &buffers, invocations, HEAVY)?;
     let params = ProbeParams { flag: gpu.flag(&PROBE), seed, first, ..ProbeParams::default() };
-    let buffers = [scene.nodes.buffer(), scene.tris.buffer(), suspects.buffer(), points.buffer(), gpu.status()];
+    let buffers = [scene.nodes.bound(), scene.tris.bound(), suspects.bound(), points.bound(), gpu.status().into()];
     gpu.run(&scene.kernel(PROBE), &params, &buffers, count as usize, HEAVY)?;
     Ok(points)
 }

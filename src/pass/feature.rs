@@ -24,7 +24,7 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel = Kernel::new("feature", &[Access::Read, Access::Read, Access::Read, Access::Write]);
+pub(super) const KERNEL: Kernel = Kernel::new("feature", &[Access::Scene, Access::Read, Access::Read, Access::Write]);
 
 /// The features of directed rays; `brightness` holds B/B_rms of each tile.
 pub fn feature(
@@ -36,7 +36,7 @@ pub fn feature(
 ) -> Result<GpuVec<Feature>> {
     let features = gpu.alloc("features", points.len())?;
     let params = Params { inv_unit: metric.inv_unit, lambda: metric.lambda, mu: metric.mu, ..Params::default() };
-    let buffers = [scene.tris.buffer(), points.buffer(), brightness.buffer(), features.buffer()];
-    gpu.run(&KERNEL, &params, &buffers, points.len(), LIGHT)?;
+    let buffers = [scene.tris.bound(), points.bound(), brightness.bound(), features.bound()];
+    gpu.run(&scene.reader(KERNEL), &params, &buffers, points.len(), LIGHT)?;
     Ok(features)
 }

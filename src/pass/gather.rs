@@ -28,7 +28,7 @@ params!(
 );
 
 pub(super) const KERNEL: Kernel =
-    Kernel::new("gather", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
+    Kernel::new("gather", &[Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
 /// Averages `rays` consecutive hits a point: irradiance and nearness, then the shares of front and of
 /// back hits, two vectors a point ([`decode`] names them).
@@ -45,20 +45,20 @@ pub fn gather(
     let no_light = gpu.alloc("no light", 0)?;
     let no_direct = gpu.alloc("no direct light", 0)?;
     let buffers = [
-        scene.tris.buffer(),
-        scene.materials.buffer(),
-        hits.buffer(),
-        light.unwrap_or(&no_light).buffer(),
-        direct.unwrap_or(&no_direct).buffer(),
-        gathered.buffer(),
-        gpu.status(),
+        scene.tris.bound(),
+        scene.materials.bound(),
+        hits.bound(),
+        light.unwrap_or(&no_light).bound(),
+        direct.unwrap_or(&no_direct).bound(),
+        gathered.bound(),
+        gpu.status().into(),
     ];
     let mut first = 0;
     while first < rays {
         let end = (first + HITS).min(rays);
         let (lit, exact) = (light.is_some() as u32, direct.is_some() as u32);
         let params = Params { flag: gpu.flag(&KERNEL), rays, first, end, lit, exact, ..Params::default() };
-        gpu.run(&KERNEL, &params, &buffers, points, LIGHT / (end - first))?;
+        gpu.run(&scene.reader(KERNEL), &params, &buffers, points, LIGHT / (end - first))?;
         first = end;
     }
     Ok(gathered)

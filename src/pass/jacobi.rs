@@ -8,8 +8,10 @@ use crate::gpu::{Access, Gpu, GpuVec, Kernel, LIGHT};
 use crate::layout::{Link, NodeLight, Plane};
 use crate::twin::jacobi::System;
 
-/// Sweeps in a submission.
+/// Sweeps in a submission, at most.
 const SWEEPS: usize = 32;
+/// Links that a submission reads, at most: what keeps it short.
+const LINKS: usize = 1 << 24;
 
 params!(
     /// Parameters of `wgsl/beta.wgsl` and `wgsl/update.wgsl`.
@@ -81,9 +83,11 @@ pub fn jacobi(gpu: &Gpu, scene: &SceneBuffers, system: &SystemBuffers, light: &G
     let params = |kernel| Params { flag: gpu.flag(kernel), ..Params::default() };
     let beta = gpu.prepare(&BETA, &params(&BETA), &beta, system.source.len(), LIGHT)?;
     let update = gpu.prepare(&UPDATE, &params(&UPDATE), &update, system.planes.len(), LIGHT)?;
+    let links = system.cell_links.len() + system.node_links.len();
+    let most = (LINKS / links.max(1)).clamp(1, SWEEPS);
     let mut left = sweeps as usize;
     while left > 0 {
-        let now = left.min(SWEEPS);
+        let now = left.min(most);
         gpu.run_jobs(&[&beta, &update], now)?;
         left -= now;
     }

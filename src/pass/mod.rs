@@ -23,7 +23,7 @@ pub mod winner;
 pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Constants, Gpu, GpuVec, Kernel, sentinel};
+use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
 use crate::scene::{Geometry, Obstacle, Scene, depth, obstacle};
 use crate::twin::assign::Surface;
@@ -58,10 +58,23 @@ fn constants(flatland: bool, occludes: bool) -> Constants {
     }
 }
 
-/// The kernels that bakes and read-outs of a scene use.
-pub(crate) fn kernels(scene: &Scene) -> Vec<Kernel> {
+/// Every kernel with every text and every set of constants that it may have.
+pub fn variants() -> Vec<Kernel> {
+    let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
+    let spaces = [(false, false), (false, true), (true, false), (true, true)];
+    let spatial = spaces.into_iter().flat_map(|(flat, occludes)| spatial().map(move |k| k.with(constants(flat, occludes))));
+    let all = KERNELS.iter().copied().chain(spatial);
+    all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
+}
+
+/// The kernels that bakes and read-outs of a scene use on a device.
+pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
     let constants = constants(scene.is_flatland(), obstacle(scene) != Obstacle::None);
-    KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants))).collect()
+    // Where faces are dropped it may come out otherwise; what is missing then is compiled when it is needed.
+    let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
+    let paged = bytes > device.limits().max_storage_buffer_binding_size;
+    let all = KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants)));
+    all.map(|k| k.paged(paged && k.buffers.contains(&Access::Scene))).collect()
 }
 
 /// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.
@@ -85,9 +98,9 @@ use params;
 #[derive(Clone, Debug)]
 pub struct SceneBuffers {
     /// Hierarchy.
-    pub nodes: GpuVec<BvhNode>,
+    pub nodes: Records<BvhNode>,
     /// Triangles.
-    pub tris: GpuVec<Tri>,
+    pub tris: Records<Tri>,
     /// Materials.
     pub materials: GpuVec<Material>,
     /// Emitters.
@@ -98,6 +111,8 @@ pub struct SceneBuffers {
     pub tile_tri: GpuVec<u32>,
     /// What sets the shaders to its space.
     constants: Constants,
+    /// Whether hierarchy and triangles are paged.
+    paged: bool,
 }
 
 impl SceneBuffers {
@@ -106,20 +121,27 @@ impl SceneBuffers {
     /// Errors: [`Error::Limit`] where the hierarchy is too deep for the traversal stack or a buffer too large.
     pub fn new(gpu: &Gpu, geometry: &Geometry) -> Result<SceneBuffers> {
         check_depth(&geometry.nodes)?;
+        let paged = gpu.must_page(size_of_val(&geometry.nodes[..]).max(size_of_val(&geometry.tris[..])));
         Ok(SceneBuffers {
-            nodes: gpu.upload("nodes", &geometry.nodes)?,
-            tris: gpu.upload("tris", &geometry.tris)?,
+            nodes: Records::upload(gpu, "nodes", &geometry.nodes, paged)?,
+            tris: Records::upload(gpu, "tris", &geometry.tris, paged)?,
             materials: gpu.upload("materials", &geometry.materials)?,
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
             constants: constants(geometry.flatland, geometry.occludes),
+            paged,
         })
     }
 
-    /// A kernel that looks at surfaces, set to this scene's space.
+    /// A kernel that looks at surfaces, set to this scene's space and size.
     fn kernel(&self, kernel: Kernel) -> Kernel {
-        kernel.with(self.constants)
+        self.reader(kernel).with(self.constants)
+    }
+
+    /// A kernel that reads triangles, set to this scene's size.
+    fn reader(&self, kernel: Kernel) -> Kernel {
+        kernel.paged(self.paged)
     }
 }
 
@@ -128,10 +150,13 @@ impl SceneBuffers {
 pub struct SurfaceBuffers {
     /// Nodes.
     pub nodes: GpuVec<Node>,
-    /// The candidates: the start of each tile's list, one more than there are tiles, then all lists by words.
+    /// The candidates: each tile's group where tiles share lists; the start of each list, one more than there are lists;
+    /// then all lists by words.
     pub lists: GpuVec<u32>,
     /// Where the lists begin.
     pub first_list: u32,
+    /// Where the starts of lists begin that tiles share; 0: each tile has its own.
+    pub joint: u32,
     /// 1/L, per local length.
     pub inv_unit: f32,
     /// Weight of normals.
@@ -141,12 +166,16 @@ pub struct SurfaceBuffers {
 impl SurfaceBuffers {
     /// Uploads a surface network.
     pub fn new(gpu: &Gpu, surface: &Surface) -> Result<SurfaceBuffers> {
-        let mut lists = surface.offsets.clone();
+        let mut lists = surface.groups.as_ref().map_or(Vec::new(), |groups| groups.of_tile.clone());
+        let joint = lists.len() as u32;
+        lists.extend_from_slice(&surface.offsets);
+        let first_list = lists.len() as u32;
         lists.extend_from_slice(bytemuck::cast_slice::<Candidate, u32>(&surface.candidates));
         Ok(SurfaceBuffers {
             nodes: gpu.upload("surface nodes", &surface.nodes)?,
             lists: gpu.upload("candidates", &lists)?,
-            first_list: surface.offsets.len() as u32,
+            first_list,
+            joint,
             inv_unit: surface.inv_unit,
             lambda: surface.lambda,
         })

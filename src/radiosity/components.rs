@@ -2,8 +2,15 @@
 //! so that a dark room beside a lit one stays exactly dark.
 
 use crate::disjoint::Disjoint;
-use crate::layout::{NONE, Point, Psi, kind};
+use crate::layout::{NONE, Node, Point, Psi, kind};
+use crate::scene::{Geometry, power_of_two_for};
+use crate::twin::jacobi::System;
 use std::collections::HashMap;
+
+/// Room for read-outs above the brightest source, by gradients and by what reflection adds: the gain leaves sums below 1/4.
+const HEADROOM: f64 = 4.0;
+/// Largest gain, and one over the smallest.
+const MOST: f64 = 1.2676506002282294e30; // 2^100
 
 /// Sets of nodes that exchange light.
 pub struct Components(Disjoint);
@@ -30,6 +37,44 @@ impl Components {
                 }
             }
         }
+    }
+
+    /// Of a system: the nodes of each cell are joined.
+    pub fn of(system: &System) -> Components {
+        let mut all = Components::new(system.planes.len());
+        let cells = system.source.len();
+        let mut first = vec![NONE; cells];
+        let mut meet = |cell: usize, node: u32| {
+            first[cell] = if first[cell] == NONE { node } else { all.0.join(first[cell], node) };
+        };
+        for c in 0..cells {
+            for l in &system.cell_links[system.cell_offsets[c] as usize..system.cell_offsets[c + 1] as usize] {
+                meet(c, l.other);
+            }
+        }
+        for j in 0..system.planes.len() {
+            for l in &system.node_links[system.node_offsets[j] as usize..system.node_offsets[j + 1] as usize] {
+                meet(l.other as usize, j as u32);
+            }
+        }
+        all
+    }
+
+    /// Of rows: each node's own, and the nodes in it.
+    pub fn of_rows(offsets: &[usize], other: &[u32]) -> Components {
+        let count = offsets.len().saturating_sub(1);
+        let mut all = Components::new(count);
+        for i in 0..count {
+            for &o in &other[offsets[i]..offsets[i + 1]] {
+                all.0.join(i as u32, o);
+            }
+        }
+        all
+    }
+
+    /// The number of each node's component.
+    pub fn numbers(self) -> Vec<u32> {
+        self.0.numbers()
     }
 
     /// The component that a ray serves, [`NONE`] where neither end has a node.
@@ -82,5 +127,47 @@ impl Splitter {
             }
         }
         changed
+    }
+}
+
+/// The brightest source of light that rays bring to each node, before any reflection.
+pub struct Peaks(Vec<f32>);
+
+impl Peaks {
+    /// Nothing yet.
+    pub fn new(nodes: usize) -> Peaks {
+        Peaks(vec![0.0; nodes])
+    }
+
+    /// Takes in a batch: rho D of the emitter ends, `direct` being each point's D, or E where it is `None`.
+    pub fn see(&mut self, geometry: &Geometry, points: &[Point], psi: &[Psi], direct: Option<&[[f32; 3]]>) {
+        for d in (0..points.len()).filter(|&d| points[d].kind == kind::FRONT) {
+            let m = geometry.material_at(&points[d ^ 1]);
+            let sent = direct.map_or(m.emit, |direct| [0, 1, 2].map(|k| m.rho[k] * direct[d ^ 1][k]));
+            let most = sent.iter().fold(0.0, |a: f32, &b| a.max(b));
+            for k in (0..4).filter(|&k| psi[d].weight[k] > 0.0) {
+                let peak = &mut self.0[psi[d].node[k] as usize];
+                *peak = peak.max(most);
+            }
+        }
+    }
+
+    /// Sets the nodes' gains, one for each component: the power of two that brings its brightest light near 1. A room of
+    /// 1e-6 W/m2 beside one of 1e9 would otherwise vanish in the fixed-point sums.
+    pub fn set_gains(&self, geometry: &Geometry, rooms: &[u32], nodes: &mut [Node]) {
+        let count = rooms.iter().max().map_or(0, |&m| m as usize + 1);
+        let mut most = vec![(0.0f64, 0.0f64); count];
+        for (i, &room) in rooms.iter().enumerate() {
+            let rho = geometry.materials[nodes[i].material as usize].rho.iter().fold(0.0, |a: f32, &b| a.max(b));
+            let (peak, reflectance) = &mut most[room as usize];
+            *peak = peak.max(f64::from(self.0[i]));
+            *reflectance = reflectance.max(f64::from(rho));
+        }
+        for (node, &room) in nodes.iter_mut().zip(rooms) {
+            let (peak, rho) = most[room as usize];
+            // No light is brighter than the brightest source over 1 - rho.
+            let bound = HEADROOM * peak / (1.0 - rho).max(1e-7);
+            node.gain = if peak > 0.0 { power_of_two_for(bound).clamp(1.0 / MOST, MOST) as f32 } else { 1.0 };
+        }
     }
 }

@@ -5,11 +5,14 @@ use crate::error::Result;
 use crate::layout::{DirectSum, NONE, NodeLight, Point, kind};
 use crate::network::tiles::{distribution, mean};
 use crate::output::report::Energy;
+use crate::params::{Direct, Params};
 use crate::progress::Progress;
 use crate::scene::Geometry;
 
-/// Rays from emitters.
+/// Most rays from emitters.
 const EMISSION_RAYS: u32 = 65_536;
+/// Those for each ray of the bake, where that is fewer.
+const SHARE: u32 = 4;
 
 /// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
 ///
@@ -19,7 +22,7 @@ pub fn account<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
     seed: u32,
-    exact: bool,
+    params: &Params,
     light: &[NodeLight],
     batches: &mut [E::Batch],
     progress: &mut Progress,
@@ -65,11 +68,13 @@ pub fn account<E: Engine>(
         let m = geometry.material_of(geometry.tile_tri[t] as usize);
         shine[t] = mean(&m.emit.map(f64::from)) / all;
     }
-    let batch = engine.emit(&distribution(geometry, &shine), seed, 0, EMISSION_RAYS, EMISSION_RAYS)?;
+    let rays = EMISSION_RAYS.min(SHARE * params.rays);
+    let batch = engine.emit(&distribution(geometry, &shine), seed, 0, rays, rays)?;
     let points = engine.points(&batch)?;
     follow(&points, &|x| if points[x].tri == NONE { [0.0; 3] } else { geometry.material_at(&points[x]).emit.map(f64::from) });
 
     // Reflected light.
+    let exact = params.direct == Direct::Exact;
     engine.set_light(light)?;
     for batch in batches {
         engine.readout(batch)?;

@@ -6,5 +6,6 @@ pub mod energy;
 pub mod gauss_seidel;
 pub mod learned;
 pub mod patches;
+pub mod refined;
 pub mod solver;
 pub mod winding;

@@ -87,7 +87,7 @@ fn shoot(geometry: &Geometry, tris: &[u32]) -> [u32; 3] {
         let t = &geometry.tris[tri as usize];
         let (b1, b2) = place_on(geometry.flatland, a, b);
         let direction = cosine_direction(geometry.flatland, Vec3::from(t.normal), c, d);
-        let (kind, _) = first_hit(geometry, tri, position(t, b1, b2), direction);
+        let (kind, _) = first_hit(geometry, tri, position(geometry.flatland, t, b1, b2), direction);
         met[match kind {
             kind::FRONT => 0,
             kind::BACK => 1,

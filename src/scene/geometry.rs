@@ -4,15 +4,20 @@
 use super::{Obstacle, Scene, cumulative, hierarchy, obstacle};
 use crate::disjoint::Disjoint;
 use crate::error::{Error, Result};
+use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
+use crate::network::groups::{self, Groups};
 use crate::params::{Norm, Params};
 use crate::twin::direct::near2;
 use glam::Vec3;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Tiles the whole live area is cut into, about (a triangle has at least one).
 pub(crate) const TILES: f64 = 20_000.0;
+/// How much wider than its triangle a box is, local: a ray meets triangles with an absolute error of some ulp, and must
+/// then have met their boxes (hard cases D02, D07).
+const PAD: f32 = 1e-6;
 /// Most tiles along an edge of one triangle.
 const MAX_SPLIT: u32 = 160;
 /// Most tiles of one flatland segment.
@@ -55,6 +60,8 @@ pub struct Geometry {
     pub tiles: u32,
     /// Triangle of each tile.
     pub tile_tri: Vec<u32>,
+    /// Tiles that share lists of nodes, where there are many.
+    pub groups: Option<Arc<Groups>>,
     /// Area that reflects or emits, local.
     pub area: f64,
     /// The length L that features are measured in, local: sqrt(area/6), in flatland length/4; 1 of a unit box.
@@ -78,7 +85,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The power of two that brings `x > 0` into (0.5, 1]; of those that have an inverse the nearest.
-fn power_of_two_for(x: f64) -> f64 {
+pub(crate) fn power_of_two_for(x: f64) -> f64 {
     const MOST: i32 = 1000;
     let mut e = (-(x.log2().ceil() as i32)).clamp(-MOST, MOST);
     // log2 may round at the interval's ends.
@@ -157,15 +164,18 @@ impl Geometry {
             return Err(empty());
         }
         let scale = power_of_two_for(half);
-        let local = |v: u32| [0, 1, 2].map(|k| (scene.vertices[v as usize][k] - center[k]) * scale);
+        let local = |v: &[f64; 3]| [0, 1, 2].map(|k| (v[k] - center[k]) * scale);
+        let locals: Vec<[f32; 3]> = scene.vertices.iter().map(|v| local(v).map(|x| x as f32)).collect();
+        let places = places(&locals);
 
         // Keep triangles that have an area after the cast, each once.
         let mut kept: Vec<Kept> = Vec::new();
         let (mut degenerate, mut duplicate) = (Vec::new(), Vec::new());
-        let mut seen = HashMap::new();
+        let mut seen: NumberMap<[u32; 3], u32> = NumberMap::default();
+        seen.reserve(scene.faces.len());
         for (i, face) in scene.faces.iter().enumerate() {
-            let exact = face.vertices.map(local);
-            let corners = exact.map(|v| v.map(|x| x as f32));
+            let exact = face.vertices.map(|v| local(&scene.vertices[v as usize]));
+            let corners = face.vertices.map(|v| locals[v as usize]);
             let c = corners.map(|v| v.map(f64::from));
             let normal = double_normal(flatland, c);
             let double_area = dot(normal, normal).sqrt();
@@ -175,16 +185,17 @@ impl Geometry {
                 degenerate.push(i as u32);
                 continue;
             }
-            match seen.entry(wound(corners)) {
+            let ends = face.vertices.map(|v| places[v as usize]);
+            match seen.entry(wound(ends)) {
                 Entry::Occupied(first) => {
-                    duplicate.push([i as u32, *first.get()]);
+                    duplicate.push([i as u32, kept[*first.get() as usize].face]);
                     continue;
                 }
-                Entry::Vacant(free) => free.insert(i as u32),
+                Entry::Vacant(free) => free.insert(kept.len() as u32),
             };
             let area = if flatland { double_area } else { 0.5 * double_area };
             let (normal, plane) = (normal.map(|x| x / double_area), plane.map(|x| x / exact_area));
-            kept.push(Kept { face: i as u32, corners, exact, normal, plane, area });
+            kept.push(Kept { face: i as u32, corners, ends, exact, normal, plane, area });
         }
         if kept.is_empty() {
             return Err(empty());
@@ -213,7 +224,8 @@ impl Geometry {
 
         // Number planar pieces, cut live area into tiles.
         let twins = twins(flatland, &kept, &seen);
-        let mut planes = planar_pieces(&kept, &twins, scene);
+        drop(seen);
+        let mut planes = planar_pieces(&kept, &twins, places, scene);
         let pieces = planes.iter().max().map_or(0, |&m| m + 1);
         join_twins(&mut planes, &twins, pieces);
         let material_of = |i: usize| scene.faces[kept[i].face as usize].material;
@@ -267,7 +279,7 @@ impl Geometry {
             .collect();
 
         let lit = area.max(1e-3 * total);
-        Ok(Geometry {
+        let mut geometry = Geometry {
             flatland,
             occludes: obstacle(scene) != Obstacle::None,
             arrives: 1.0,
@@ -283,12 +295,15 @@ impl Geometry {
             emitter_density: if all > 0.0 { (1.0 / all) as f32 } else { 0.0 },
             tiles: tile_tri.len() as u32,
             tile_tri,
+            groups: None,
             area,
             unit: if flatland { lit / 4.0 } else { (lit / 6.0).sqrt() },
             pieces,
             degenerate,
             duplicate,
-        })
+        };
+        geometry.groups = groups::groups(&geometry).map(Arc::new);
+        Ok(geometry)
     }
 
     /// Area of a tile, local.
@@ -342,7 +357,8 @@ impl Geometry {
 
     /// Longest side of the bounding box, local.
     pub(super) fn local_extent(&self) -> f64 {
-        let side = |k: usize| self.nodes.first().map_or(0.0, |root| root.max[k] as f64 - root.min[k] as f64);
+        let pad = 2.0 * f64::from(PAD);
+        let side = |k: usize| self.nodes.first().map_or(0.0, |root| (root.max[k] as f64 - root.min[k] as f64 - pad).max(0.0));
         // Flatland's boxes have a height, its scenes none.
         side(0).max(side(1)).max(if self.flatland { 0.0 } else { side(2) })
     }
@@ -364,6 +380,8 @@ struct Kept {
     /// Index in [`Scene::faces`].
     face: u32,
     corners: [[f32; 3]; 3],
+    /// Where the corners are, by number: see [`places`].
+    ends: [u32; 3],
     /// The corners before the cast.
     exact: [[f64; 3]; 3],
     normal: [f64; 3],
@@ -382,28 +400,35 @@ impl obvhs::Boundable for Bounds {
         let v = self.corners.map(glam::Vec3A::from_array);
         // A box without a height would have rays divide 0 by 0.
         let up = glam::Vec3A::new(0.0, 0.0, if self.flatland { 1.0 } else { 0.0 });
-        obvhs::aabb::Aabb { min: v[0].min(v[1]).min(v[2]) - up, max: v[0].max(v[1]).max(v[2]) + up }
+        let (low, high) = (v[0].min(v[1]).min(v[2]) - up, v[0].max(v[1]).max(v[2]) + up);
+        obvhs::aabb::Aabb { min: low - glam::Vec3A::splat(PAD), max: high + glam::Vec3A::splat(PAD) }
     }
+}
+
+/// A number for each vertex's place: vertices of one place have one.
+fn places(vertices: &[[f32; 3]]) -> Vec<u32> {
+    let mut at: NumberMap<[u32; 3], u32> = NumberMap::default();
+    at.reserve(vertices.len());
+    // Adding 0 makes both zeros one.
+    vertices.iter().enumerate().map(|(i, v)| *at.entry(v.map(|x| (x + 0.0).to_bits())).or_insert(i as u32)).collect()
 }
 
 /// Corners by which a triangle is known again. The same corners wound the other way are another surface:
 /// they are rotated, not sorted.
-fn wound(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
-    let mut key = corners.map(|v| v.map(|x| (x + 0.0).to_bits()));
-    let first = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
-    key.rotate_left(first);
-    key
+fn wound(mut ends: [u32; 3]) -> [u32; 3] {
+    let first = (0..3).min_by_key(|&k| ends[k]).unwrap_or(0);
+    ends.rotate_left(first);
+    ends
 }
 
-/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the face of
-/// each kept triangle's corners.
-fn twins(flatland: bool, kept: &[Kept], seen: &HashMap<[[u32; 3]; 3], u32>) -> Vec<u32> {
+/// For each triangle the one with the same corners and opposite winding, or [`NONE`]. `seen` tells the triangle of
+/// each three corners.
+fn twins(flatland: bool, kept: &[Kept], seen: &NumberMap<[u32; 3], u32>) -> Vec<u32> {
     let twin = |k: &Kept| {
-        let [a, b, c] = k.corners;
-        let face = seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] }))?;
-        kept.binary_search_by_key(face, |k| k.face).ok()
+        let [a, b, c] = k.ends;
+        seen.get(&wound(if flatland { [b, a, a] } else { [a, c, b] })).copied()
     };
-    kept.iter().map(|k| twin(k).map_or(NONE, |t| t as u32)).collect()
+    kept.iter().map(|k| twin(k).unwrap_or(NONE)).collect()
 }
 
 /// Gives both sides of a sheet one number, marked [`TWIN`], so that a ray that leaves one side meets neither.
@@ -420,12 +445,21 @@ fn join_twins(planes: &mut [u32], twins: &[u32], pieces: u32) {
 /// Groups triangles into planar pieces, by their corners before the cast (hard case A10): grown over shared vertices from the first triangle, whose
 /// plane every member must meet to 1e-6 of the scene and 1.4e-4 in angle, of one material, all of them
 /// with a twin or none. Segments of flatland too short for that angle are granted their rounding.
-fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
-    let mut at: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
-    let key = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
+fn planar_pieces(kept: &[Kept], twins: &[u32], places: Vec<u32>, scene: &Scene) -> Vec<u32> {
+    // The triangles around each place, one list after the other.
+    let mut starts = vec![0u32; places.len() + 1];
+    for end in kept.iter().flat_map(|k| k.ends) {
+        starts[end as usize + 1] += 1;
+    }
+    for i in 0..places.len() {
+        starts[i + 1] += starts[i];
+    }
+    let (mut around, mut next) = (vec![0u32; 3 * kept.len()], places);
+    next.copy_from_slice(&starts[..starts.len() - 1]);
     for (i, k) in kept.iter().enumerate() {
-        for v in &k.corners {
-            at.entry(key(*v)).or_default().push(i as u32);
+        for end in k.ends {
+            around[next[end as usize] as usize] = i as u32;
+            next[end as usize] += 1;
         }
     }
     let flatland = scene.is_flatland();
@@ -442,8 +476,11 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
         plane[i] = pieces;
         stack.push(i);
         while let Some(t) = stack.pop() {
-            for v in kept[t].corners {
-                for &o in &at[&key(v)] {
+            for end in kept[t].ends {
+                for &o in &around[starts[end as usize] as usize..starts[end as usize + 1] as usize] {
+                    if plane[o as usize] != NONE {
+                        continue;
+                    }
                     let other = &kept[o as usize];
                     // Rounding turns a short segment by this angle, and the line that it tells.
                     let turned = if flatland { 2e-7 / other.area.min(area) } else { 0.0 };
@@ -451,8 +488,7 @@ fn planar_pieces(kept: &[Kept], twins: &[u32], scene: &Scene) -> Vec<u32> {
                         let off = sub(c, origin);
                         dot(off, normal).abs() < 1e-6 + turned * dot(off, off).sqrt()
                     });
-                    if plane[o as usize] == NONE
-                        && (twins[o as usize] == NONE) == (twins[i] == NONE)
+                    if (twins[o as usize] == NONE) == (twins[i] == NONE)
                         && scene.faces[other.face as usize].material == material
                         && dot(other.plane, normal) > 1.0 - 1e-8 - turned * turned
                         && level

@@ -25,7 +25,7 @@ pub use distribution::cumulative;
 pub(crate) use extruded::wall;
 #[doc(hidden)]
 pub use geometry::Geometry;
-pub(crate) use geometry::TILES;
+pub(crate) use geometry::{TILES, power_of_two_for};
 pub(crate) use hierarchy::depth;
 pub use load::{KdSpace, LoadOptions, Up};
 #[doc(hidden)]

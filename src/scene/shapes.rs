@@ -1,5 +1,8 @@
 //! Simple shapes as triangles, for the self-test and for tests. Corners are counter-clockwise seen from the lit side.
 
+use super::{Face, Material, Scene};
+use glam::DVec3;
+
 /// Triangles as [`crate::Scene::from_triangles`] takes them: three corners, metres, and a material each.
 pub type Triangles = Vec<([[f64; 3]; 3], u32)>;
 
@@ -50,16 +53,16 @@ pub fn sphere(level: u32, material: u32) -> Triangles {
     for (s, t) in [(1.0, g), (1.0, -g), (-1.0, g), (-1.0, -g)] {
         corners.extend([[0.0, s, t], [s, t, 0.0], [t, 0.0, s]]);
     }
-    let unit = |p: [f64; 3]| (glam::DVec3::from(p)).normalize().to_array();
+    let unit = |p: [f64; 3]| (DVec3::from(p)).normalize().to_array();
     let mut faces: Vec<[[f64; 3]; 3]> = Vec::new();
     // The faces are the triples of corners that are neighbours, 2 apart.
-    let near = |a: [f64; 3], b: [f64; 3]| (glam::DVec3::from(a).distance(b.into()) - 2.0).abs() < 1e-9;
+    let near = |a: [f64; 3], b: [f64; 3]| (DVec3::from(a).distance(b.into()) - 2.0).abs() < 1e-9;
     for i in 0..12 {
         for j in i + 1..12 {
             for k in j + 1..12 {
                 let [a, b, c] = [corners[i], corners[j], corners[k]];
                 if near(a, b) && near(b, c) && near(c, a) {
-                    let out = glam::DVec3::from(a).cross(b.into()).dot(c.into()) > 0.0;
+                    let out = DVec3::from(a).cross(b.into()).dot(c.into()) > 0.0;
                     faces.push(if out { [a, b, c] } else { [a, c, b] }.map(unit));
                 }
             }
@@ -107,10 +110,61 @@ pub fn cut(triangles: &Triangles, n: u32) -> Triangles {
     out
 }
 
+/// A lit room of white walls with eight bumpy grey balls in it, of about so many triangles: scenes of any size, made in memory.
+pub fn bumpy_room(triangles: usize) -> Scene {
+    let walls = room([0.0; 3], [4.0, 3.0, 4.0], [0, 0, 0, 0, 0, 0]);
+    let lamp = quad([[1.5, 2.99, 1.5], [2.5, 2.99, 1.5], [2.5, 2.99, 2.5], [1.5, 2.99, 2.5]], 2);
+    let materials = vec![
+        Material::new("white", [0.8; 3], [0.0; 3]),
+        Material::new("grey", [0.5, 0.45, 0.4], [0.0; 3]),
+        Material::new("lamp", [0.0; 3], [10.0; 3]),
+    ];
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for (corners, material) in walls.into_iter().chain(lamp) {
+        let first = vertices.len() as u32;
+        vertices.extend(corners);
+        faces.push(Face { vertices: [first, first + 1, first + 2], material, object: 0 });
+    }
+    // The six sides of a cube, cut into squares and blown up.
+    let cuts = ((triangles as f64 / (8.0 * 12.0)).sqrt().round() as u32).max(1);
+    let ball = |centre: DVec3| {
+        move |p: [f64; 3]| {
+            let d = DVec3::from(p).normalize();
+            let bump = 1.0 + 0.06 * (9.0 * d.x).sin() * (11.0 * d.y).sin() * (10.0 * d.z).sin();
+            (centre + 0.55 * bump * d).to_array()
+        }
+    };
+    for (k, square) in (0..8).flat_map(|k| flipped(room([-1.0; 3], [1.0; 3], [0; 6])).into_iter().step_by(2).map(move |s| (k, s)))
+    {
+        let centre = DVec3::new([1.0, 3.0][k % 2], [0.7, 2.0][k / 2 % 2], [1.0, 3.0][k / 4]);
+        let place = ball(centre);
+        // A quad's triangle has two of its sides, at a right angle.
+        let corners = square.0.map(DVec3::from);
+        let at = |k: usize| (corners[k], corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
+        let right = (0..3).find(|&k| at(k).1.dot(at(k).2).abs() < 1e-9);
+        let (a, u, v) = at(right.unwrap_or(0));
+        let (u, v) = if u.cross(v).dot(a + 0.5 * (u + v)) > 0.0 { (u, v) } else { (v, u) };
+        let first = vertices.len() as u32;
+        for j in 0..=cuts {
+            for i in 0..=cuts {
+                let (s, t) = (f64::from(i) / f64::from(cuts), f64::from(j) / f64::from(cuts));
+                vertices.push(place((a + u * s + v * t).to_array()));
+            }
+        }
+        for j in 0..cuts {
+            for i in 0..cuts {
+                let at = |di: u32, dj: u32| first + (j + dj) * (cuts + 1) + i + di;
+                faces.push(Face { vertices: [at(0, 0), at(1, 0), at(1, 1)], material: 1, object: 0 });
+                faces.push(Face { vertices: [at(0, 0), at(1, 1), at(0, 1)], material: 1, object: 0 });
+            }
+        }
+    }
+    Scene { name: "bumpy room".into(), vertices, faces, materials, objects: vec!["room".into()], ..Scene::default() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     /// Six times the volume that the triangles enclose, positive where they face outward.
     fn volume(triangles: &Triangles) -> f64 {
@@ -126,6 +180,12 @@ mod tests {
         assert!((volume(&tetrahedron()) + 16.0).abs() < 1e-12);
         let ball = sphere(3, 0);
         assert_eq!(ball.len(), 20 * 64);
+        let bumpy = bumpy_room(5_000);
+        assert!((4_500..5_500).contains(&bumpy.faces.len()));
+        let balls: Triangles =
+            (0..bumpy.faces.len()).map(|f| (bumpy.corners(f), bumpy.faces[f].material)).filter(|t| t.1 == 1).collect();
+        let each = volume(&balls) / 8.0 / (8.0 * std::f64::consts::PI * 0.55f64.powi(3));
+        assert!((each - 1.0).abs() < 0.1, "{each}");
         assert!((volume(&ball) / (8.0 * std::f64::consts::PI) - 1.0).abs() < 0.01, "{}", volume(&ball));
     }
 }

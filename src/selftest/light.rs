@@ -53,7 +53,9 @@ pub fn kirchhoff(t: &mut Trial) -> Result<()> {
     let materials = rhos.map(|rho| grey(rho, 1.0 - rho));
     let scene = solid(&[cube(), block(LOW, HIGH, 6)].concat(), &materials)?;
     let got = b(&t.light(&scene, &Params { direct: Direct::Network, ..few() }, |_| true, 512)?);
-    t.all_near("b where all shine as they absorb, the worst point", 1.0, &got, 1e-2); // final gathers of 1,024 rays
+    // Scatter of 1,024 gathered rays, times 1/(1 - rho) of the whitest side; the mean is told closer.
+    t.all_near("b where all shine as they absorb, the worst point", 1.0, &got, 3e-2);
+    t.near("b where all shine as they absorb, the mean", 1.0, mean(&got), 3e-3);
     Ok(())
 }
 
@@ -88,7 +90,7 @@ pub fn energy(t: &mut Trial) -> Result<()> {
     t.near("light that is lost or made", 0.0, imbalance, 0.01); // a network's share of reflected light, at few rays
     // All that shines is absorbed in the end: the mean of b is that of e, times 1/(1 - rho).
     let truth = 1.0 / 0.3 / (6.0 + 6.0 * 0.3 * 0.3);
-    let answers = solution.query(t.backend, &spread(&scene, |_| true, 2048)?)?;
+    let answers = solution.query(t.backend, &spread(&scene, |_| true, 512)?)?;
     t.near("b in a closed room of 0.7, the mean", truth, mean(&b(&answers)), 5e-3 * truth); // 32,768 rays
     Ok(())
 }

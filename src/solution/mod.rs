@@ -202,7 +202,7 @@ impl Solution {
             .map(|p| match self.geometry.locate(p.p, p.n) {
                 Some(at) => {
                     let (b1, b2) = barycentric(self.geometry.flatland, &self.geometry.tris[at.tri as usize], Vec3::from(at.p));
-                    Point { p: at.p, ..surface_point(&self.geometry, at.tri, b1.clamp(0.0, 1.0), b2.clamp(0.0, 1.0)) }
+                    surface_point(&self.geometry, at.tri, b1.clamp(0.0, 1.0), b2.clamp(0.0, 1.0))
                 }
                 None => Point { tri: NONE, tile: NONE, ..Point::default() },
             })

@@ -36,7 +36,7 @@ pub fn deposit(
             if psi[d].weight[k] > 0.0 {
                 let node = psi[d].node[k] as usize;
                 let (a, b) = offsets(&surface.nodes[node], Vec3::from(y.p));
-                let v = (y.weight * normalise) * psi[d].weight[k];
+                let v = ((y.weight * normalise) * psi[d].weight[k]) * surface.nodes[node].gain;
                 for band in 0..3 {
                     let s = v * sent[band];
                     sums[node].value[band].add(encode(s, UNIT));

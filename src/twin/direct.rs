@@ -86,7 +86,7 @@ fn unshadowed(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: S
     let emitter = geometry.emitters[e as usize];
     let there = &geometry.tris[emitter.tri as usize];
     let (b1, b2) = place_on(geometry.flatland, place, unit(v));
-    let x = position(there, b1, b2);
+    let x = position(geometry.flatland, there, b1, b2);
     let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, Vec3::from(here.normal));
     if g > 0.0 && there.plane != here.plane {
         let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);

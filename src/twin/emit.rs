@@ -58,7 +58,7 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
             let tri = geometry.tile_tri[tile as usize];
             let t = &geometry.tris[tri as usize];
             let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, place, unit(u[1]));
-            let p = position(t, b1, b2);
+            let p = position(geometry.flatland, t, b1, b2);
             let direction = cosine_direction(geometry.flatland, Vec3::from(t.normal), unit(u[2]), unit(u[3]));
             let (met, hit) = first_hit(geometry, tri, p, direction);
             let density = tiles[tile as usize].density;

@@ -12,6 +12,11 @@ use glam::Vec3;
 
 /// Depth of the traversal stack; a deeper hierarchy raises an error before any ray is shot.
 pub const STACK: usize = 48;
+/// A point behind a plane by less than this is on it, local: rounding has moved it there. Some six units in the last place
+/// of the largest coordinate; walls thinner than twice this cannot be told from sheets.
+pub const BEHIND: f32 = 4e-7;
+/// How far points of a triangle are moved towards its middle, local: farther than rounding can move them over an edge.
+pub const INWARD: f32 = 1e-6;
 
 /// A ray `origin + t direction`, 0 < t < t_max, that ignores two planar pieces.
 #[derive(Clone, Copy, Debug)]
@@ -153,6 +158,12 @@ fn walk(geometry: &Geometry, ray: &Ray, any: bool) -> Hit {
                     intersect(tri, ray.origin, &sh, hit.t)
                 };
                 if let Some((t, b1, b2)) = met {
+                    // The start, and the end of a segment, may lie behind the planes beside them by their rounding.
+                    let across = Vec3::from(tri.normal).dot(ray.direction);
+                    let behind = if across > 0.0 { t * across } else { (ray.t_max - t) * -across };
+                    if behind < BEHIND && (across > 0.0 || any) {
+                        continue;
+                    }
                     hit = Hit { t, tri: i, b1, b2 };
                     if any {
                         return hit;
@@ -239,10 +250,24 @@ pub fn place_on(flatland: bool, a: f32, b: f32) -> (f32, f32) {
     (root * (1.0 - b), root * b)
 }
 
-/// The position of barycentric coordinates on a triangle.
-pub fn position(tri: &Tri, b1: f32, b2: f32) -> Vec3 {
+/// The position of barycentric coordinates on a triangle, to the last digit.
+pub fn corner_position(tri: &Tri, b1: f32, b2: f32) -> Vec3 {
     let v0 = Vec3::from(tri.v0);
     v0 + (Vec3::from(tri.v1) - v0) * b1 + (Vec3::from(tri.v2) - v0) * b2
+}
+
+/// The position of barycentric coordinates on a triangle, off its edges by more than rounding.
+pub fn position(flatland: bool, tri: &Tri, b1: f32, b2: f32) -> Vec3 {
+    inward(flatland, tri, corner_position(tri, b1, b2))
+}
+
+/// A point of a triangle moved towards its middle by [`INWARD`]: a point that rounding has put beyond an edge, and so
+/// behind a wall that stands there, would see what is on the other side.
+pub fn inward(flatland: bool, tri: &Tri, p: Vec3) -> Vec3 {
+    let (a, b, c) = (Vec3::from(tri.v0), Vec3::from(tri.v1), Vec3::from(tri.v2));
+    let middle = if flatland { (a + b) * 0.5 } else { (a + b + c) * (1.0 / 3.0) };
+    let d = middle - p;
+    p + d * (INWARD / d.dot(d).sqrt().max(2.0 * INWARD))
 }
 
 /// Barycentric coordinates of a position on a triangle (least squares, f64 where it costs nothing).
@@ -260,5 +285,10 @@ pub fn barycentric(flatland: bool, tri: &Tri, p: Vec3) -> (f32, f32) {
 /// A surface point from barycentric coordinates, with its tile; `kind`, `weight` and `density` are left 0.
 pub fn surface_point(geometry: &Geometry, tri: u32, b1: f32, b2: f32) -> Point {
     let t = &geometry.tris[tri as usize];
-    Point { p: position(t, b1, b2).to_array(), tri, tile: tile_of(geometry.flatland, t, b1, b2), ..Point::default() }
+    Point {
+        p: position(geometry.flatland, t, b1, b2).to_array(),
+        tri,
+        tile: tile_of(geometry.flatland, t, b1, b2),
+        ..Point::default()
+    }
 }

@@ -4,11 +4,16 @@
 mod catalogue;
 #[path = "../common/mod.rs"]
 mod common;
+mod faults;
 mod geometry;
 mod gpu;
 mod input;
+mod leaks;
 mod network;
+mod paging;
+mod random;
 mod scale;
+mod setup;
 mod solutions;
 mod sums;
 mod visibility;

@@ -8,6 +8,9 @@ const FRONT = 1u; // both ends on front faces
 const SKY = 2u; // the ray left the scene
 const BACK = 3u; // the ray ended on a back face
 
+// Texels in a row, and rows in a layer, of records that are paged.
+const ROW = 2048u;
+
 const TWIN = 0x80000000u; // bit of a triangle's plane: its mirror image is there too
 
 struct BvhNode {
@@ -62,7 +65,8 @@ struct Node {
     n: vec3<f32>,
     plane: u32,
     mean: vec2<f32>, // mean of the deposit minus p, along the tangents
-    pad0: vec2<u32>,
+    gain: f32, // power of two that brings the sources of light around it near 1
+    clear: f32, // way along the normal until something stands in it
 }
 
 struct Psi {

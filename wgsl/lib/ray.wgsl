@@ -1,10 +1,14 @@
 // Traversal: the twin of src/twin/trace.rs. The kernel binds `bvh: array<BvhNode>` and `tris: array<Tri>`.
 #import layout
+#import boxes
+#import triangles
 #import math
 #import finish
 
 // Depth of the stack; the host refuses deeper hierarchies.
 const STACK = 48u;
+// A point behind a plane by less than this is on it: rounding has moved it there.
+const BEHIND = 4e-7;
 
 struct Hit {
     t: f32, // in units of the direction's length
@@ -32,8 +36,8 @@ fn nonzero(x: f32) -> f32 {
 
 // Entry distance into a box, or F32_MAX; widened by 4 ulp so that rounding never loses a box.
 fn enter(i: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
-    let t0 = (bvh[i].min - origin) * inv;
-    let t1 = (bvh[i].max - origin) * inv;
+    let t0 = (box_min(i) - origin) * inv;
+    let t1 = (box_max(i) - origin) * inv;
     let low = min(t0, t1);
     let high = max(t0, t1);
     let near = max(max(max(low.x, low.y), low.z), 0.0);
@@ -63,9 +67,9 @@ fn shear(direction: vec3<f32>) -> Shear {
 
 // Where a ray meets triangle i before t_max, or NONE.
 fn meet_triangle(i: u32, origin: vec3<f32>, s: Shear, t_max: f32) -> Hit {
-    let va = turned(tris[i].v0 - origin, s.kz);
-    let vb = turned(tris[i].v1 - origin, s.kz);
-    let vc = turned(tris[i].v2 - origin, s.kz);
+    let va = turned(tri_v0(i) - origin, s.kz);
+    let vb = turned(tri_v1(i) - origin, s.kz);
+    let vc = turned(tri_v2(i) - origin, s.kz);
     let pa = vec2<f32>(va.x - s.sx * va.z, va.y - s.sy * va.z);
     let pb = vec2<f32>(vb.x - s.sx * vb.z, vb.y - s.sy * vb.z);
     let pc = vec2<f32>(vc.x - s.sx * vc.z, vc.y - s.sy * vc.z);
@@ -86,8 +90,8 @@ fn meet_triangle(i: u32, origin: vec3<f32>, s: Shear, t_max: f32) -> Hit {
 
 // The same of flatland's segment i: the ray passes it where both ends lie strictly on one side.
 fn meet_segment(i: u32, origin: vec3<f32>, d: vec3<f32>, t_max: f32) -> Hit {
-    let a = tris[i].v0 - origin;
-    let b = tris[i].v1 - origin;
+    let a = tri_v0(i) - origin;
+    let b = tri_v1(i) - origin;
     let fa = d.x * a.y - d.y * a.x;
     let fb = d.x * b.y - d.y * b.x;
     let det = fa - fb;
@@ -115,18 +119,18 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
     var at = 0u;
     var open = enter(0u, origin, inv, hit.t) < F32_MAX;
     while open {
-        let count = bvh[at].count;
-        let first = bvh[at].first;
+        let count = box_count(at);
+        let first = box_first(at);
         var pop = true;
         if count > 0u {
             var i = first;
             for (; i < first + count; i++) {
-                let plane = tris[i].plane;
+                let plane = tri_plane(i);
                 if plane == skip.x || plane == skip.y {
                     continue;
                 }
                 // Of two that coincide only the one in front is there: no rounding decides between them.
-                if (plane & TWIN) != 0u && dot3(tris[i].normal, direction) >= 0.0 {
+                if (plane & TWIN) != 0u && dot3(tri_normal(i), direction) >= 0.0 {
                     continue;
                 }
                 var met: Hit;
@@ -136,6 +140,12 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
                     met = meet_triangle(i, origin, frame, hit.t);
                 }
                 if met.tri != NONE {
+                    // The start, and the end of a segment, may lie behind the planes beside them by their rounding.
+                    let across = dot3(tri_normal(i), direction);
+                    let behind = select((t_max - met.t) * -across, met.t * across, across > 0.0);
+                    if behind < BEHIND && (across > 0.0 || any_hit) {
+                        continue;
+                    }
                     hit = met;
                     if any_hit {
                         return hit;

@@ -4,16 +4,16 @@
 
 // The tile of a triangle, or flatland segment, that holds barycentric coordinates.
 fn tile_of(tri: u32, b1: f32, b2: f32) -> u32 {
-    let n = tris[tri].split;
+    let n = tri_split(tri);
     if FLATLAND {
-        return tris[tri].first_tile + min(u32(max(b1, 0.0) * f32(n)), n - 1u);
+        return tri_first_tile(tri) + min(u32(max(b1, 0.0) * f32(n)), n - 1u);
     }
     let x = max(b1, 0.0) * f32(n);
     let y = max(b2, 0.0) * f32(n);
     let i = min(u32(x), n - 1u);
     let j = min(u32(y), n - 1u - i);
     let upper = (x - f32(i)) + (y - f32(j)) > 1.0 && j + 1u < n - i;
-    return tris[tri].first_tile + i * (2u * n - i) + 2u * j + select(0u, 1u, upper);
+    return tri_first_tile(tri) + i * (2u * n - i) + 2u * j + select(0u, 1u, upper);
 }
 
 // Barycentric coordinates of a place (a, b) in [0,1)^2 of tile k of a triangle, or segment, cut n times.
@@ -48,9 +48,20 @@ fn place_on(a: f32, b: f32) -> vec2<f32> {
     return vec2<f32>(root * (1.0 - b), root * b);
 }
 
+// How far points of a triangle are moved towards its middle: farther than rounding can move them over an edge.
+const INWARD = 1e-6;
+
 fn position(tri: u32, b1: f32, b2: f32) -> vec3<f32> {
-    let v0 = tris[tri].v0;
-    return v0 + (tris[tri].v1 - v0) * b1 + (tris[tri].v2 - v0) * b2;
+    let v0 = tri_v0(tri);
+    let v1 = tri_v1(tri);
+    let v2 = tri_v2(tri);
+    let p = v0 + (v1 - v0) * b1 + (v2 - v0) * b2;
+    var middle = (v0 + v1) * 0.5;
+    if !FLATLAND {
+        middle = (v0 + v1 + v2) * (1.0 / 3.0);
+    }
+    let d = middle - p;
+    return p + d * (INWARD / max(sqrt(dot3(d, d)), 2.0 * INWARD));
 }
 
 // A surface point with its tile; kind, weight and density are left 0.
@@ -65,11 +76,11 @@ struct Met {
 
 // What a ray from a point on triangle `tri` meets.
 fn first_hit(tri: u32, p: vec3<f32>, direction: vec3<f32>) -> Met {
-    let hit = walk(p, direction, F32_MAX, vec2<u32>(tris[tri].plane, NONE), false);
+    let hit = walk(p, direction, F32_MAX, vec2<u32>(tri_plane(tri), NONE), false);
     if hit.tri == NONE {
         return Met(SKY, hit);
     }
-    if dot3(tris[hit.tri].normal, direction) < 0.0 {
+    if dot3(tri_normal(hit.tri), direction) < 0.0 {
         return Met(FRONT, hit);
     }
     return Met(BACK, hit);

@@ -122,6 +122,18 @@ pub fn already(folder: &Path, scene: &Scene, params: &Params, climb: bool) -> Op
     same.then_some(solution)
 }
 
+/// Takes over what an earlier run told of the very bake that `report` is of: its times, memory and rungs.
+pub fn recall(report: &mut report::Report, file: &Path) {
+    let read = std::fs::read(file).ok().and_then(|text| serde_json::from_slice::<report::Report>(&text).ok());
+    let Some(before) = read.filter(|b| b.params == report.params && b.estimated_error == report.estimated_error) else { return };
+    report.seconds = report::Seconds { readout: report.seconds.readout, ..before.seconds };
+    report.memory_bytes = before.memory_bytes;
+    report.extra = before.extra;
+    if let (Some(now), Some(then)) = (&mut report.target, before.target) {
+        now.rungs = then.rungs;
+    }
+}
+
 /// A warning where a solution that was given is partial.
 pub fn warn_if_partial(solution: &Solution, log: &Log) {
     if let Some(reached) = solution.report().reached.as_ref().filter(|_| solution.is_partial()) {

@@ -329,7 +329,7 @@ impl Supervised {
     }
 
     /// Delta rule: outputs move by their activation-weighted mean error.
-    fn teach(&mut self, sums: &[ResponseSums], eta: f64) {
+    pub fn teach(&mut self, sums: &[ResponseSums], eta: f64) {
         let activation = |s: &ResponseSums| s.activation.value(FEATURE_UNIT);
         let damping = DAMPING * sums.iter().map(activation).sum::<f64>() / sums.len() as f64;
         for (output, s) in self.outputs.iter_mut().zip(sums).filter(|(_, s)| activation(s) > 0.0) {
@@ -339,7 +339,7 @@ impl Supervised {
     }
 
     /// Decays resources and wins, and adds the batch's.
-    fn count(&mut self, sums: &[ResponseSums], decay: f64) {
+    pub fn count(&mut self, sums: &[ResponseSums], decay: f64) {
         for (c, s) in sums.iter().enumerate() {
             self.resource[c] = decay * self.resource[c] + s.error.value(FEATURE_UNIT);
             self.share[c] = decay * self.share[c] + s.share.value(FEATURE_UNIT);

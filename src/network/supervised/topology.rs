@@ -23,7 +23,7 @@ impl Supervised {
 
     /// Inserts up to `count` cells, one after another, each between the cell with the largest resource and its
     /// farthest neighbour. Stops where no cell has any resource: nothing is left to learn (hard case F03).
-    pub(super) fn insert(&mut self, count: usize) {
+    pub fn insert(&mut self, count: usize) {
         for _ in 0..count {
             let mut q = 0;
             for c in 1..self.cells.len() {

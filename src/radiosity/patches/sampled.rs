@@ -133,6 +133,7 @@ impl Sampled {
                     n: tri.normal,
                     plane: tri.plane,
                     mean: [d.dot(t1), d.dot(t2)],
+                    gain: 1.0,
                     ..Node::default()
                 }
             })
