@@ -809,7 +809,7 @@ fn bends(rho: f64, id: &str, halves: &[i32], seeds: u32, limit: f64) {
 
 #[test]
 fn a15_light_bends_as_it_must_near_an_edge() {
-    // Three times the catalogue's 0.02: of half the places and one seed, noise of 1e-4 of h leaves so much.
+    // Three times the catalogue's 0.02: one seed and eight places, with noise of 1e-4 of h, leave so much.
     bends(0.9, "EDGE-EXP-0.9", &[7, 9, 11, 13, 15, 17, 19, 21], 1, 0.06);
 }
 
