@@ -10,7 +10,7 @@ use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Pilot, once};
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{DirectSum, NodeSource, Tile};
+use crate::layout::{DirectSum, Node, NodeSource, Tile};
 use crate::network::growth::Growth;
 use crate::network::nodes;
 use crate::network::tiles::{self, Looks, mean};
@@ -242,7 +242,9 @@ pub(super) fn trace<E: Engine>(
     let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
     let surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
         Some(nodes) => {
-            let surface = nodes::surface_of(geometry, nodes.clone(), lambda, mark);
+            // Rays are assigned to all nodes; which of them none has met is found later.
+            let all = nodes.iter().map(|n| Node { gain: n.gain.abs(), ..*n }).collect();
+            let surface = nodes::surface_of(geometry, all, lambda, mark);
             engine.set_surface(&surface)?;
             Ok(surface)
         }
@@ -305,6 +307,12 @@ fn network<E: Engine>(
     let exact = params.direct == Direct::Exact;
     let tell = |progress: &mut Progress, name| if stage.told { progress.event(Event::Stage { name }) } else { Ok(()) };
     let Traced { mut surface, mut batches, lengths } = trace(engine, geometry, params, stage, saved, clock, progress)?;
+    let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
+    if let Some(built) = &saved.network.coefficients
+        && nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark)
+    {
+        engine.set_surface(&surface)?;
+    }
 
     if saved.network.coefficients.is_none() {
         // Grow the cells.
@@ -370,7 +378,6 @@ fn network<E: Engine>(
             let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
-            let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
             nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark);
             engine.set_surface(&surface)?;
             if exact {
