@@ -32,7 +32,7 @@ const HIT: Samples = Samples { emitter: 2, cosine: 1 };
 /// Hits nearer than this many node spacings ask for light by a ray of their own.
 const CLOSE: f64 = 0.5;
 /// Bounces in a slot before the nodes' light is taken all the same.
-pub(crate) const BOUNCES: u32 = 6;
+pub(crate) const BOUNCES: u32 = 8;
 /// Rays that tell how near a point's surroundings are.
 const NEAR_PROBES: u32 = 8;
 /// Rays that tell whether a dark point is covered.

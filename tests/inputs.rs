@@ -338,7 +338,7 @@ fn toml_faults_are_named_by_line() {
         ("[[file]]\npath = 's.obj'\nscale = 2\nmatrix = [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\n", "has a matrix beside"),
         (
             "[[file]]\npath = 's.obj'\nscale = 1e308\ntranslate = [1e308, 1e308, 0]\nunit = 10\n",
-            "s.toml:1: file 's.obj': vertex 1 is not finite",
+            "s.toml:1: file 's.obj': vertex 0 is not finite in 32 bits",
         ),
         (
             "[[file]]\npath = 's.obj'\n[[material]]\nname = 'a'\nradiance = 1\nlumens = 2\n",

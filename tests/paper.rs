@@ -165,12 +165,15 @@ fn a_box_in_space_is_as_hard_as_it_was() {
     // Measured: .33 (4,096 cells, 120,000 evaluations), and .21 with normals. With a sixteenth of both the error is
     // larger, but the order of the variants is the same; and the paper's is no better than with sixteen times as much.
     let truth = truth("scenes/cornell/scene.obj", "cornell");
-    let few = |paper| Params { cells: Some(256), ..params(1, paper) };
-    let (literal, solution) = run(&truth, &Backend::Cpu, &few(PaperParams::default()));
-    let (normals, _) = run(&truth, &Backend::Cpu, &few(PaperParams { normals: true, ..PaperParams::default() }));
-    let linear = PaperParams { normals: true, output: Output::Linear, facing: true, ..PaperParams::default() };
-    let (linear, _) = run(&truth, &Backend::Cpu, &few(linear));
-    eprintln!("literal {literal:.3}, with normals {normals:.3}, linear {linear:.3}; clamped {}", learned(&solution, "clamped"));
+    // Means of three seeds, which scatter by .05.
+    let mean = |paper: PaperParams| {
+        let of = |seed| run(&truth, &Backend::Cpu, &Params { cells: Some(256), ..params(seed, paper.clone()) }).0;
+        [1, 2, 3].map(of).iter().sum::<f64>() / 3.0
+    };
+    let literal = mean(PaperParams::default());
+    let normals = mean(PaperParams { normals: true, ..PaperParams::default() });
+    let linear = mean(PaperParams { normals: true, output: Output::Linear, facing: true, ..PaperParams::default() });
+    eprintln!("literal {literal:.3}, with normals {normals:.3}, linear {linear:.3}");
     assert!(literal > 0.33 / FACTOR && linear < normals && normals < literal && literal < 1.0);
 }
 

@@ -71,8 +71,9 @@ fn figure_1_shows_one_solution_twice() {
     for view in ["hall", "enfilade"] {
         assert!(dir.path().join(format!("fig1_{view}.exr")).is_file());
     }
-    // Every ray's weight is told; single precision and the clamp at 0 leave little.
-    assert!(number(&figure, "energy not accounted for") < 0.02);
+    // Every ray's weight is told; single precision and the clamp at 0 leave little. What is left is the scatter of 16,384
+    // rays from emitters (four times the bake's): 1.5 %, three of them.
+    assert!(number(&figure, "energy not accounted for") < 0.045);
 }
 
 #[test]
@@ -142,7 +143,9 @@ fn figure_3_shows_the_kernel_and_its_fissure() {
 #[test]
 fn figure_4_shows_one_reflection_both_ways() {
     let options = fig4::Options { flat_cells: 256, cells: 256, evaluations: 16, width: 24, points: 48 };
-    let (flat, dir) = twice(|p| fig4::flat(p, &options));
+    // In flatland the figure's own size: a quarter of the cells errs by .12 or .35, as chance has it.
+    let whole = fig4::Options { flat_cells: 1024, evaluations: 32, ..options.clone() };
+    let (flat, dir) = twice(|p| fig4::flat(p, &whole));
     // Positions alone mix the blocker's sides: an error as good as the repaired network's would not be the paper's.
     let (paper, repaired) = (number(&flat, "error of the reflected light"), number(&flat, "with normals and linear cells"));
     assert!(paper < 1.0 && repaired < 0.5 * paper, "{paper} {repaired}");

@@ -11,8 +11,8 @@ use raycell::{Backend, Checkpoint, Error, Event, Flow, Params, Scene, SurfacePoi
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Rays of the quick test: two whole batches and a ragged one.
-const RAYS: u32 = 150_000;
+/// Rays of the quick test: a whole batch and a ragged one.
+const RAYS: u32 = 98_304;
 
 /// What bakes run on, or a note that there is nothing.
 fn backend() -> Option<Backend> {

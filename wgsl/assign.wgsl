@@ -168,8 +168,8 @@ fn weights(i: u32) -> Psi {
     // round names the nearest in sight, whatever its plane. Each trip goes on to the next candidate that
     // needs a ray, so that neighbouring invocations shoot together.
     //
-    // A node is in sight if the segment to it, lifted along both normals, and the ways up to it are free. The first
-    // ray of a point tells how far its way up is.
+    // A node is in sight if the segment to it, lifted along both normals, is free; neither end by more than half of the way
+    // up that is free there. The first ray of a point tells how far its way up is.
     var reach = -1.0;
     var k = 0u;
     var pending = true;
@@ -193,27 +193,26 @@ fn weights(i: u32) -> Psi {
             let q = nodes[node].p;
             let lift = max(LIFT * sqrt(dot3(p - q, p - q)), FLOOR);
             let up = reach < 0.0;
-            if up || (lift <= reach && lift <= nodes[node].clear) {
-                let start = p + n * lift;
-                var look = Look(start, q + nodes[node].n * lift - start, 1.0, crossed(p, n, plane, node));
-                if up {
-                    var far = 0.0;
-                    for (var c = 0u; c < NEAREST; c++) {
-                        if near_c[c] != NONE {
-                            let d = p - nodes[candidate_node(near_c[c])].p;
-                            far = max(far, sqrt(dot3(d, d)));
-                        }
+            let start = p + n * min(lift, 0.5 * reach);
+            let stop = q + nodes[node].n * min(lift, 0.5 * nodes[node].clear);
+            var look = Look(start, stop - start, 1.0, crossed(p, n, plane, node));
+            if up {
+                var far = 0.0;
+                for (var c = 0u; c < NEAREST; c++) {
+                    if near_c[c] != NONE {
+                        let d = p - nodes[candidate_node(near_c[c])].p;
+                        far = max(far, sqrt(dot3(d, d)));
                     }
-                    look = Look(p, n, LIFT * 1.001 * far + 2.0 * FLOOR, vec2<u32>(plane, NONE));
                 }
-                let met = walk(look.origin, look.direction, look.t_max, look.skip, !up);
-                if up {
-                    // The same candidate again.
-                    reach = met.t;
-                    k--;
-                } else if met.tri == NONE {
-                    take(k - 1u, near_d[(k - 1u) % NEAREST], node);
-                }
+                look = Look(p, n, 2.0 * (LIFT * 1.001 * far + 2.0 * FLOOR), vec2<u32>(plane, NONE));
+            }
+            let met = walk(look.origin, look.direction, look.t_max, look.skip, !up);
+            if up {
+                // The same candidate again.
+                reach = met.t;
+                k--;
+            } else if met.tri == NONE {
+                take(k - 1u, near_d[(k - 1u) % NEAREST], node);
             }
         }
     }

@@ -57,7 +57,7 @@ impl Checkpoint {
             }
             // Nothing reflects: there was nothing to solve.
             (_, None) if self.is_whole() => {
-                report.solver.method = "none".into();
+                report.solver = SolverReport { method: "none".into(), sweeps: 0, residual: Some(0.0), error_bound: Some(0.0) };
                 (Vec::new(), Vec::new(), Vec::new(), unread(&[]))
             }
             (_, Some(pilot)) => (pilot.nodes.clone(), pilot.light.clone(), Vec::new(), unread(&pilot.nodes)),

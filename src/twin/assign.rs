@@ -57,13 +57,14 @@ pub fn crossed(p: Vec3, n: Vec3, plane: u32, node: &Node) -> [u32; 2] {
     [if d.dot(n) > turn { NONE } else { plane }, if -d.dot(m) > turn { NONE } else { node.plane }]
 }
 
-/// Whether a node is in sight of a point: the segment between them, lifted along both normals, and the ways up to it are
-/// free. `reach` is how far the way up from the point is.
+/// Whether a node is in sight of a point: the segment between them, lifted along both normals, is free. Neither end is lifted
+/// by more than half of the way up that is free there (`reach` at the point), so that in a slot it stays in the slot.
 fn in_sight(geometry: &Geometry, p: Vec3, n: Vec3, plane: u32, reach: f32, node: &Node) -> bool {
     let (q, m) = (Vec3::from(node.p), Vec3::from(node.n));
     let d = p - q;
     let lift = (LIFT * d.dot(d).sqrt()).max(FLOOR);
-    lift <= reach && lift <= node.clear && !segment_blocked(geometry, p + n * lift, q + m * lift, crossed(p, n, plane, node))
+    let (here, there) = (lift.min(0.5 * reach), lift.min(0.5 * node.clear));
+    !segment_blocked(geometry, p + n * here, q + m * there, crossed(p, n, plane, node))
 }
 
 /// The weights of one point. Points without a triangle or a tile have none.
@@ -97,7 +98,7 @@ pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
         let reach = *reach.get_or_insert_with(|| {
             let length = |c: &Candidate| (p - Vec3::from(surface.nodes[c.node as usize].p)).length();
             let far = near.iter().filter(|x| x.1.node != NONE).map(|x| length(&x.1)).fold(0.0, f32::max);
-            let up = Ray { origin: p, direction: n, t_max: LIFT * 1.001 * far + 2.0 * FLOOR, skip: [tri.plane, NONE] };
+            let up = Ray { origin: p, direction: n, t_max: 2.0 * (LIFT * 1.001 * far + 2.0 * FLOOR), skip: [tri.plane, NONE] };
             closest(geometry, &up).t
         });
         in_sight(geometry, p, n, tri.plane, reach, node)

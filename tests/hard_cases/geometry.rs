@@ -16,7 +16,7 @@ use raycell::scene::{Geometry, Material};
 use raycell::twin::direct::Samples;
 use raycell::twin::math::{kernel_g, unit};
 use raycell::twin::sobol::sobol4;
-use raycell::twin::trace::{place_on, surface_point};
+use raycell::twin::trace::{corner_position, place_on, surface_point};
 use raycell::{Backend, Direct, Flow, Mode, Params, Scene, Solution, SurfacePoint, bake};
 use std::f64::consts::PI;
 
@@ -51,7 +51,10 @@ impl Bench {
     /// The point of a quadrilateral at (u, v) in [0, 1]² along its first and last side.
     fn at(&self, shape: usize, u: f64, v: f64) -> Point {
         let (half, b1, b2) = if u >= v { (0, u - v, v) } else { (1, u, v - u) };
-        surface_point(&self.geometry, self.tri[2 * shape + half], b1 as f32, b2 as f32)
+        let (tri, b1, b2) = (self.tri[2 * shape + half], b1 as f32, b2 as f32);
+        // To the last digit, as a query's places are; what the library draws keeps off edges.
+        let p = corner_position(&self.geometry.tris[tri as usize], b1, b2).to_array();
+        Point { p, ..surface_point(&self.geometry, tri, b1, b2) }
     }
 
     /// `n` points evenly over a shape.

@@ -346,18 +346,20 @@ fn b09_all_emit() {
         let scene = Scene::from_triangles("furnace", &room(LOW, HIGH, [0; 6]), vec![grey(rho, 1.0)]).unwrap();
         let off = |params: &Params| {
             let answers = solve(&backend, &scene, params).unwrap().query(&backend, &inside()).unwrap();
-            assert_eq!(impossible(&answers, &scene, 5e-3), None);
-            answers.iter().map(|a| (a.b[0] * (1.0 - rho) - 1.0).abs()).fold(0.0, f64::max)
+            assert_eq!(impossible(&answers, &scene, 1e-2), None);
+            let off: Vec<f64> = answers.iter().map(|a| a.b[0] * (1.0 - rho) - 1.0).collect();
+            let mean = off.iter().sum::<f64>() / off.len() as f64;
+            (off.iter().fold(0.0, |m: f64, x| m.max(x.abs())), mean.abs())
         };
-        // Lamps are receivers, too. A bake as it comes, direct light sampled as exactly as the tolerance asks; five times
-        // the tolerance of E01, for each point has its own noise, that of 1,024 gather rays.
+        // Lamps are receivers, too. A bake as it comes, direct light sampled as exactly as the tolerance asks: E01's tolerance
+        // for the mean, ten times it at single points, each of which has the noise of 1,024 gather rays, .3 %.
         let params = Params { rays: 65_536, direct_tolerance: 5e-4, direct_samples: 65_536, ..Params::default() };
         let network = off(&params);
         // Without sampling at the points shown.
         let params = Params { method: Method::Fem, direct: Direct::Network, patches: 150, gather_rays: 0, ..Params::default() };
         let fem = off(&params);
-        eprintln!("furnace {rho}: network off by {network:.2e} at most, finite elements by {fem:.2e}");
-        assert!(network <= 5e-3 && fem <= 1e-3, "{rho}: {network} {fem}");
+        eprintln!("furnace {rho}: network off by {network:?} at most and in the mean, finite elements by {fem:?}");
+        assert!(network.0 <= 1e-2 && network.1 <= 1e-3 && fem.0 <= 1e-3, "{rho}: {network:?} {fem:?}");
     }
 }
 
@@ -528,7 +530,8 @@ fn p_value(counts: &[u32], weights: &[f64]) -> f64 {
 fn b13_a_million_areas_of_twelve_decades() {
     const N: usize = 1_000_000;
     // Every thousandth has none at all, so have the first and the last.
-    let area = |i: usize| if i % 1000 == 0 || i + 1 == N { 0.0 } else { 10f64.powf(-12.0 * unit(seed_of(3, i as u32)) as f64) };
+    let area =
+        |i: usize| if i.is_multiple_of(1000) || i + 1 == N { 0.0 } else { 10f64.powf(-12.0 * unit(seed_of(3, i as u32)) as f64) };
     let areas: Vec<f64> = (0..N).map(area).collect();
     let cdf = cumulative(&areas);
     assert!(cdf.windows(2).all(|c| c[0] <= c[1]) && cdf[N - 1] == u32::MAX);
