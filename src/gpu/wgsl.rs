@@ -4,7 +4,7 @@
 //! conditionals. A line map leads every line of the composed text back to its file.
 //!
 //! Of kernels that look at triangles there is a second text, for scenes that exceed one binding ([`super::paged`]):
-//! the bindings of [`PAGED`] are textures there, and the modules that read them have others in their place.
+//! the bindings of `PAGED` are textures there, and the modules that read them have others in their place.
 
 /// Embeds `wgsl/<folder><name>.wgsl` under its name.
 macro_rules! sources {
