@@ -52,17 +52,17 @@ pub fn refine(seed: u32, seconds: u64) -> Outcome {
 fn trace(seed: u32, more: Option<u64>) -> Outcome<Case> {
     let scene = scenes::scene(seed)?;
     let geometry = Geometry::new(&scene)?;
-    let points = sample_points(&geometry, POINTS, seed);
     let folder = root("target/estimate");
     std::fs::create_dir_all(&folder)?;
     let (path, state) = (folder.join(format!("{seed}.truth.csv")), folder.join(format!("{seed}.json")));
     let name = format!("random {seed}");
-    if let Ok(truth) = Truth::read(&path)
-        && truth.points == points
-        && (more.is_none() || truth.noise() <= NOISE)
-    {
-        return Ok(Case { name, scene, truth });
+    // A truth has points of its own, and holds as long as they lie on the scene: it is of the seed's scene then.
+    let on_it = |truth: &Truth| truth.points.iter().all(|p| geometry.locate(p.p, p.n).is_some());
+    let kept = Truth::read(&path).ok().filter(on_it);
+    if let Some(truth) = kept.as_ref().filter(|truth| more.is_none() || truth.noise() <= NOISE) {
+        return Ok(Case { name, scene, truth: truth.clone() });
     }
+    let points = kept.map_or_else(|| sample_points(&geometry, POINTS, seed), |truth| truth.points);
     let mut reference = Reference::new(&scene, &geometry, &path, points, seed)?;
     // Of an earlier scene of this seed: begun anew.
     if reference.resume(&state).is_err() {
