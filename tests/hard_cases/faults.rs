@@ -69,14 +69,15 @@ mod program {
         names
     }
 
-    /// Writes that stop in the middle: no file may grow beyond 20 KB, and the signal that says so is ignored.
+    /// Writes that stop in the middle: no file may grow beyond 20 KB, and the signal that says so is ignored. Without a
+    /// driver: Mesa 25 has the device's memory in files of its own, and dies where those may not grow.
     #[test]
     fn a_disk_that_fills_up_leaves_nothing_half_written() {
         if gpu().is_none() {
             return;
         }
         let dir = tempfile::tempdir().unwrap();
-        let short = format!("trap '' XFSZ; ulimit -f 40; exec $RAYCELL bake {BAKE} $SCENE -o out");
+        let short = format!("trap '' XFSZ; ulimit -f 40; exec $RAYCELL bake {BAKE} --backend cpu $SCENE -o out");
         let output = shell(dir.path(), &short);
         assert_eq!(output.status.code(), Some(2), "{}", words(&output));
         assert!(words(&output).contains("cannot write out/solution.rcell"), "{}", words(&output));
