@@ -29,7 +29,7 @@ impl Backend {
     pub(crate) fn compile_seconds(&self) -> f64 {
         match self {
             Backend::Cpu => 0.0,
-            Backend::Gpu(gpu) => gpu.compile_seconds().iter().map(|(_, seconds)| seconds).sum(),
+            Backend::Gpu(gpu) => gpu.compiled(),
         }
     }
 }

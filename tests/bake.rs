@@ -9,6 +9,7 @@ mod common;
 use common::{gpu, radiosity, root, rrmse, rrmse_without, truth};
 use raycell::gpu::Gpu;
 use raycell::output::points;
+use raycell::scene::shapes::{quad, sides};
 use raycell::scene::{Geometry, Material};
 use raycell::{Answer, Backend, Direct, Flow, Params, Scene, Solution, SurfacePoint, bake};
 use std::collections::HashMap;
@@ -197,24 +198,6 @@ fn the_processor_and_the_gpu_agree() {
     assert!(ratio.abs() < 0.005, "{ratio}");
 }
 
-/// Two triangles for a quadrilateral whose corners run counter-clockwise seen from the front.
-fn quad(a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3], material: u32) -> Vec<([[f64; 3]; 3], u32)> {
-    vec![([a, b, c], material), ([a, c, d], material)]
-}
-
-/// The six sides of a closed box, seen from inside: -x, +x, -y, +y, -z, +z.
-fn room(low: [f64; 3], high: [f64; 3], materials: [u32; 6]) -> [Vec<([[f64; 3]; 3], u32)>; 6] {
-    let v = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
-    [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]]
-        .map(|q| q.map(v))
-        .iter()
-        .zip(materials)
-        .map(|(&[a, b, c, d], m)| quad(a, b, c, d, m))
-        .collect::<Vec<_>>()
-        .try_into()
-        .unwrap()
-}
-
 fn materials() -> Vec<Material> {
     vec![
         Material::new("grey", [0.5, 0.6, 0.4], [0.0; 3]),
@@ -234,7 +217,7 @@ fn materials() -> Vec<Material> {
 fn exact_and_network_light_agree_in_a_half_lit_cube() {
     let Some(gpu) = gpu() else { return };
     let half = |low: f64, high: f64, m: u32, skip: usize| {
-        let sides = room([low, 0.0, 0.0], [high, 1.0, 1.0], [m; 6]);
+        let sides = sides([low, 0.0, 0.0], [high, 1.0, 1.0], [m; 6]);
         (0..6).filter(|&s| s != skip).flat_map(|s| sides[s].clone()).collect::<Vec<_>>()
     };
     let scene = Scene::from_triangles("cube", &[half(0.0, 0.5, 1, 1), half(0.5, 1.0, 0, 0)].concat(), materials()).unwrap();
@@ -275,9 +258,9 @@ fn exact_and_network_light_agree_in_a_half_lit_cube() {
 fn no_light_leaks_into_a_dark_room() {
     let Some(gpu) = gpu() else { return };
     // Two closed rooms, a wall of 0.1 between them, on one floor slab that runs through below it.
-    let mut triangles = quad([0.0; 3], [0.0, 0.0, 1.0], [2.1, 0.0, 1.0], [2.1, 0.0, 0.0], 0);
+    let mut triangles = quad([[0.0; 3], [0.0, 0.0, 1.0], [2.1, 0.0, 1.0], [2.1, 0.0, 0.0]], 0);
     for (low, ceiling) in [(0.0, 2), (1.1, 0)] {
-        let sides = room([low, 0.0, 0.0], [low + 1.0, 1.0, 1.0], [0, 0, 0, ceiling, 0, 0]);
+        let sides = sides([low, 0.0, 0.0], [low + 1.0, 1.0, 1.0], [0, 0, 0, ceiling, 0, 0]);
         triangles.extend((0..6).filter(|&s| s != 2).flat_map(|s| sides[s].clone()));
     }
     let scene = Scene::from_triangles("rooms", &triangles, materials()).unwrap();
@@ -367,7 +350,7 @@ fn form_factors_are_met() {
             .flat_map(|s| {
                 let [p, q, r] = [s.from, s.to, s.top].map(|v| v.to_array());
                 let opposite = (s.to + s.top - s.from).to_array();
-                if s.triangle { vec![([p, q, r], 0)] } else { quad(p, q, opposite, r, 0) }
+                if s.triangle { vec![([p, q, r], 0)] } else { quad([p, q, opposite, r], 0) }
             })
             .collect();
         let faces = triangles.len() / shapes.len();

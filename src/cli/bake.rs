@@ -192,7 +192,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         report.seconds.readout = Some(readout.as_secs_f64());
         if report.target.as_ref().is_some_and(|target| target.rungs.is_empty()) {
             // Nothing was baked: what the bake took was told then.
-            kept::recall(report, &dir.join("report.json"));
+            kept::recall(report, dir);
         }
         report::write(&dir.join("report.json"), report)?;
         wrote("report.json", "");

@@ -12,10 +12,11 @@ fn spread(bands: [f64; 3]) -> f64 {
 
 /// The effect.
 pub(super) fn colour(scene: &Scene) -> EffectReport {
-    let used = |m: usize| scene.faces.iter().any(|f| f.material as usize == m);
+    let mut used = vec![false; scene.materials.len()];
+    scene.faces.iter().for_each(|f| used[f.material as usize] = true);
     let of = |m: &Material| spread(m.reflectance).max(spread(m.emission));
     let most =
-        (0..scene.materials.len()).filter(|&m| used(m)).map(|m| &scene.materials[m]).max_by(|a, b| of(a).total_cmp(&of(b)));
+        (0..scene.materials.len()).filter(|&m| used[m]).map(|m| &scene.materials[m]).max_by(|a, b| of(a).total_cmp(&of(b)));
     match most.filter(|m| of(m) > 0.0) {
         Some(m) => {
             let why = format!("bands differ by up to {} ('{}')", percent(of(m)), m.name);

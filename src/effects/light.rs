@@ -59,20 +59,16 @@ impl Look {
         let sum = |n: usize| paths.iter().map(|p| f64::from(p.light[n])).sum::<f64>();
         let by_bounce: Vec<f64> = (0..=BOUNCES).map(sum).collect();
         let all: f64 = by_bounce.iter().sum();
+        let seen = Look { blocked: f64::from(blocked) / f64::from(count.max(1)), lines: count, ..Look::default() };
         if all <= 0.0 {
-            return Look { blocked: f64::from(blocked) / f64::from(count.max(1)), lines: count, ..Look::default() };
+            return seen;
         }
         let mut left = all;
         let bounces = by_bounce.iter().position(|light| {
             left -= light;
             left < LEFT * all
         });
-        Look {
-            blocked: f64::from(blocked) / f64::from(count.max(1)),
-            lines: count,
-            reflected: 1.0 - by_bounce[0] / all,
-            bounces: bounces.unwrap_or(BOUNCES),
-        }
+        Look { reflected: 1.0 - by_bounce[0] / all, bounces: bounces.unwrap_or(BOUNCES), ..seen }
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
         .iter()
         .map(|&name| match name {
             Name::Direct => direct(geometry, &look),
-            Name::Occlusion => occlusion::occlusion(scene, &look),
+            Name::Occlusion => occlusion::occlusion(scene, geometry, &look),
             Name::Interreflection => interreflection(scene, geometry, &look),
             Name::Colour => colour::colour(scene),
             Name::TwoSided => two_sided(geometry),

@@ -3,16 +3,15 @@
 use super::light::Look;
 use super::{Name, percent, told};
 use crate::output::report::EffectReport;
-use crate::scene::{Obstacle, Scene, obstacle};
+use crate::scene::{Geometry, Obstacle, Scene, obstacle};
 
 /// The effect.
-pub(super) fn occlusion(scene: &Scene, look: &Look) -> EffectReport {
-    let found = obstacle(scene);
-    if found == Obstacle::None {
+pub(super) fn occlusion(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectReport {
+    if !geometry.occludes {
         let why = "the scene is convex: no surface lies behind another's plane, so nothing can stand in light's way";
         return told(Name::Occlusion, false, why.into(), "nothing: no shadow ray is cast");
     }
-    let object = match found {
+    let object = match obstacle(scene) {
         Obstacle::Behind(face) => scene.objects.get(scene.faces[face as usize].object as usize).map(String::as_str),
         _ => None,
     };

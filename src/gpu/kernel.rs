@@ -96,6 +96,11 @@ impl Gpu {
         all
     }
 
+    /// Seconds that all kernels made so far took to compile.
+    pub fn compiled(&self) -> f64 {
+        self.compile_seconds().iter().map(|(_, seconds)| seconds).sum()
+    }
+
     fn compile(&self, kernel: &Kernel) -> Result<Pipeline> {
         let start = Instant::now();
         let device = &self.device;

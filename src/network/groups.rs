@@ -1,6 +1,7 @@
 //! Lists of candidates that small tiles share. A triangle has a tile at least, so a scene of millions has millions of
 //! tiles, far more than its light has detail: lists of their own would take gigabytes.
 
+use super::boxes::Boxes;
 use crate::hash::NumberMap;
 use crate::layout::{Candidate, NONE};
 use crate::network::nodes::tile_corners;
@@ -8,7 +9,6 @@ use crate::scene::{Geometry, TILES};
 use crate::twin::assign::{CONE, NEAREST, Surface};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// Tiles beyond which they share lists.
 const MANY: u32 = 1 << 18;
@@ -134,15 +134,7 @@ pub fn candidates(geometry: &Geometry, surface: &Surface, groups: &Groups) -> Ve
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
     // Normals whose ends are nearer than this are in each other's cone; rounding is granted.
     let cone = (2.0 - 2.0 * CONE).sqrt();
-    let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
-    // Boxes a few node spacings wide hold all that most groups need.
-    let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
-    let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
-    let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
-    for (i, n) in surface.nodes.iter().enumerate().filter(|(_, n)| n.gain >= 0.0) {
-        by_material[n.material as usize].push(i as u32);
-        boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
-    }
+    let boxes = Boxes::new(geometry, surface);
     let list = |group: &Group| {
         // How much nearer, or farther, a point of the group may be to a node than the centre is.
         let slack = (group.radius * inv).hypot(lambda * group.spread);
@@ -167,11 +159,9 @@ pub fn candidates(geometry: &Geometry, surface: &Surface, groups: &Groups) -> Ve
             near.retain(|x| x.0 <= reach);
             (near, reach)
         };
-        let [x, y, z] = box_of(group.centre);
-        let around = (0..27).filter_map(|k| boxes.get(&(group.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
-        let (mut near, reach) = within_reach(&mut around.flatten());
-        if reach > 0.999 * width {
-            near = within_reach(&mut by_material[group.material as usize].iter()).0;
+        let (mut near, reach) = within_reach(&mut boxes.around(boxes.key(group.material, group.centre)));
+        if reach > 0.999 * boxes.width {
+            near = within_reach(&mut boxes.of_material(group.material).iter()).0;
         }
         near.sort_unstable_by_key(|x| x.1);
         near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()

@@ -1,5 +1,6 @@
 //! The host's part of both networks: the cells' topology and growth, the nodes of the surface.
 
+mod boxes;
 pub mod complex;
 pub mod groups;
 pub mod growth;

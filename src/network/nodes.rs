@@ -1,5 +1,6 @@
 //! The surface network: nodes on live surface points, and each tile's candidates (design §1, step 4).
 
+use super::boxes::{Boxes, Key};
 use super::groups;
 use crate::engine::Engine;
 use crate::error::Result;
@@ -13,7 +14,6 @@ use crate::twin::sobol::sobol4;
 use crate::twin::trace::{Ray, closest, place_in_tile, surface_point};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// Training points a node.
 const POINTS_PER_NODE: usize = 24;
@@ -249,17 +249,9 @@ fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(us
 /// The lists of [`list_candidates`], one each tile.
 fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(usize) -> bool + Sync) -> Vec<Vec<Candidate>> {
     let (inv, lambda) = (surface.inv_unit, surface.lambda);
-    let mut by_material: Vec<Vec<u32>> = vec![Vec::new(); geometry.materials.len()];
-    // Boxes a few node spacings wide hold all that most tiles need.
-    let width = 2.5 * geometry.spacing(surface.nodes.len()) as f32 * inv;
-    let box_of = |p: Vec3| (p * (inv / width)).floor().to_array().map(|x| x as i32);
-    let mut boxes: HashMap<(u32, [i32; 3]), Vec<u32>> = HashMap::new();
-    for (i, n) in surface.nodes.iter().enumerate().filter(|(_, n)| n.gain >= 0.0) {
-        by_material[n.material as usize].push(i as u32);
-        boxes.entry((n.material, box_of(Vec3::from(n.p)))).or_default().push(i as u32);
-    }
+    let boxes = Boxes::new(geometry, surface);
     // Tiles follow each other by place: most find the boxes around them where the one before had them.
-    type Around = (Option<(u32, [i32; 3])>, Vec<u32>);
+    type Around = (Option<Key>, Vec<u32>);
     (0..geometry.tiles as usize)
         .into_par_iter()
         .with_min_len(256)
@@ -269,7 +261,7 @@ fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(us
             }
             let t = geometry.tile_tri[tile];
             let tri = &geometry.tris[t as usize];
-            let own = &by_material[tri.material as usize];
+            let own = boxes.of_material(tri.material);
             if own.is_empty() {
                 return Vec::new();
             }
@@ -294,14 +286,12 @@ fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(us
                 near.retain(|x| x.0 <= reach);
                 (near, reach)
             };
-            let [x, y, z] = box_of(centre);
-            let here = Some((tri.material, [x, y, z]));
-            if *last != here {
-                let boxes = (0..27).filter_map(|k| boxes.get(&(tri.material, [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1])));
-                (*last, *around) = (here, boxes.flatten().copied().collect());
+            let here = boxes.key(tri.material, centre);
+            if *last != Some(here) {
+                (*last, *around) = (Some(here), boxes.around(here).copied().collect());
             }
             let (mut near, reach) = within_reach(around.iter().filter_map(measure).collect());
-            if reach > 0.999 * width {
+            if reach > 0.999 * boxes.width {
                 near = within_reach(own.iter().filter_map(measure).collect()).0;
             }
             near.sort_unstable_by_key(|x| x.1);

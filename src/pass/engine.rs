@@ -319,7 +319,7 @@ impl Engine for GpuEngine<'_> {
     }
 
     fn compile_seconds(&self) -> f64 {
-        self.gpu.compile_seconds().iter().map(|(_, seconds)| seconds).sum()
+        self.gpu.compiled()
     }
 
     fn shadow_rays(&self) -> u64 {

@@ -123,8 +123,8 @@ pub fn already(folder: &Path, scene: &Scene, params: &Params, climb: bool) -> Op
 }
 
 /// Takes over what an earlier run told of the very bake that `report` is of: its times, memory and rungs.
-pub fn recall(report: &mut report::Report, file: &Path) {
-    let read = std::fs::read(file).ok().and_then(|text| serde_json::from_slice::<report::Report>(&text).ok());
+pub fn recall(report: &mut report::Report, folder: &Path) {
+    let read = report::Report::read(folder).ok();
     let Some(before) = read.filter(|b| b.params == report.params && b.estimated_error == report.estimated_error) else { return };
     report.seconds = report::Seconds { readout: report.seconds.readout, ..before.seconds };
     report.memory_bytes = before.memory_bytes;
