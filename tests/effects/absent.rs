@@ -1,8 +1,7 @@
 //! What a scene does not call for costs nothing: shown by counters, and by the same bytes.
 
-mod common;
 
-use common::{gpu, impossible, root};
+use crate::common::{gpu, impossible, root};
 use raycell::engine::Engine;
 use raycell::layout::NodeLight;
 use raycell::network::tiles;

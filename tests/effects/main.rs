@@ -1,0 +1,5 @@
+//! Effects: each is right where a scene calls for it, and costs nothing where it does not. A file an effect.
+
+mod absent;
+#[path = "../common/mod.rs"]
+mod common;
