@@ -1,6 +1,5 @@
 //! What a scene does not call for costs nothing: shown by counters, and by the same bytes.
 
-
 use crate::common::{gpu, impossible, root};
 use raycell::engine::Engine;
 use raycell::layout::NodeLight;
