@@ -66,7 +66,7 @@ fn cornell(rho: f64) -> Scene {
 #[test]
 fn black_surfaces_need_no_training() {
     let Some(backend) = backend() else { return };
-    let points = common::truth("cornell").points;
+    let points = crate::common::truth("cornell").points;
     let (black, pale) = (cornell(0.0), cornell(1e-6));
     let solution = solve(&backend, &black, &few());
     let report = solution.report();
@@ -81,7 +81,7 @@ fn black_surfaces_need_no_training() {
     assert!(answers.iter().all(|a| a.h == a.d));
     let [here, there] = [&answers, &other].map(|all| all.iter().map(|a| a.h).collect::<Vec<_>>());
     // Direct light is sampled to 0.4 % at most points, to some percent in deep penumbras.
-    let off = common::rrmse(&here, &there);
+    let off = crate::common::rrmse(&here, &there);
     assert!(off < 0.01, "{off}");
     // It is saved and read like any other.
     let dir = tempfile::tempdir().unwrap();
