@@ -2,6 +2,8 @@
 //! share their records with the host byte for byte.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use raycell::gpu::Constants;
+use raycell::gpu::specialise::specialise;
 use raycell::gpu::wgsl::{KERNELS, LIBS, compose};
 use std::collections::BTreeSet;
 use std::mem::{offset_of, size_of};
@@ -77,6 +79,30 @@ fn kernels_validate_within_the_budget() {
         paged_texts += usize::from(textures > 0);
     }
     assert_eq!(paged_texts, 10, "emit, probe, shoot, kernel, direct, assign, gather, deposit, flux, feature");
+}
+
+/// Kernels of a scene that calls for nothing but space and shadows are, byte for byte, those of a source tree without the
+/// effects: kept in `tests/data/kernels`, with their instructions and bindings. Where a kernel itself is changed on purpose the
+/// new text is taken over from where this test leaves it; where an effect was added it must not change.
+#[test]
+fn effects_that_are_not_called_for_leave_no_trace() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (kept, made) = (root.join("tests/data/kernels"), root.join("target/kernels"));
+    std::fs::create_dir_all(&made).unwrap();
+    let mut files = vec![("counts.csv".to_string(), "kernel,instructions,bindings\n".to_string())];
+    for (kernel, _) in KERNELS {
+        let special = specialise(&compose(kernel, false), &Constants::NONE).unwrap();
+        files[0].1 += &format!("{kernel},{},{}\n", special.instructions, special.bindings.len());
+        files.push((format!("{kernel}.wgsl"), special.source));
+    }
+    let mut differ = Vec::new();
+    for (name, text) in files {
+        std::fs::write(made.join(&name), &text).unwrap();
+        if std::fs::read_to_string(kept.join(&name)).ok() != Some(text) {
+            differ.push(name);
+        }
+    }
+    assert!(differ.is_empty(), "{differ:?}: other than in {}; now in {}", kept.display(), made.display());
 }
 
 /// Name and offset of each member, and the size, of a struct of a module.

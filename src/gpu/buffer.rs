@@ -29,6 +29,8 @@ pub enum Bound {
     Buffer(wgpu::Buffer),
     /// Records as texels.
     Texels(wgpu::TextureView),
+    /// Nothing: the data of an effect that the scene does not call for; no pipeline of it has the binding.
+    Absent,
 }
 
 impl Bound {
@@ -37,6 +39,7 @@ impl Bound {
         match self {
             Bound::Buffer(buffer) => buffer.as_entire_binding(),
             Bound::Texels(view) => wgpu::BindingResource::TextureView(view),
+            Bound::Absent => unreachable!("a kernel reads data of an effect that it was not told of"),
         }
     }
 }

@@ -72,10 +72,17 @@ impl Slots {
         }
         super::buffer::fill(&uniform, &bytes);
         let head = wgpu::BufferBinding { buffer: &uniform, offset: 0, size: wgpu::BufferSize::new(size as u64) };
-        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(head) }];
-        entries.extend(
-            buffers.iter().enumerate().map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32 + 1, resource: b.resource() }),
-        );
+        let entries: Vec<wgpu::BindGroupEntry> = pipeline
+            .bindings
+            .iter()
+            .map(|&binding| {
+                let resource = match binding.checked_sub(1) {
+                    None => wgpu::BindingResource::Buffer(head.clone()),
+                    Some(i) => buffers[i as usize].resource(),
+                };
+                wgpu::BindGroupEntry { binding, resource }
+            })
+            .collect();
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
             layout: &pipeline.layout,
@@ -175,13 +182,14 @@ impl Gpu {
         let slots = kernels.iter().map(|k| k.buffers.len()).max().unwrap_or(0);
         let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> =
             (0..slots).map(|_| self.upload("stand-in", &[[0; STAND_IN]])).collect::<Result<_>>()?;
-        let texels = match kernels.iter().any(|k| k.paged) {
+        let in_texels = |k: &Kernel, access: Access| access == Access::Texels || (k.paged && access == Access::Scene);
+        let texels = match kernels.iter().any(|k| k.buffers.iter().any(|&a| in_texels(k, a))) {
             true => Some(Records::page(self, "stand-in", &[[0u8; STAND_IN]])?),
             false => None,
         };
         let jobs = kernels.iter().map(|kernel| {
             let buffers = kernel.buffers.iter().zip(&stand_ins).map(|(access, buffer)| match &texels {
-                Some(texels) if kernel.paged && *access == Access::Scene => texels.bound(),
+                Some(texels) if in_texels(kernel, *access) => texels.bound(),
                 _ => buffer.bound(),
             });
             let buffers = buffers.collect();

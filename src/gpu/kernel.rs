@@ -1,5 +1,6 @@
 //! Kernels: their bindings, and their pipelines, made when first used.
 
+use super::specialise::specialise;
 use super::{Gpu, wgsl};
 use crate::error::{Error, Result};
 use std::sync::{Arc, OnceLock};
@@ -19,16 +20,19 @@ pub enum Access {
     Write,
     /// Records of the scene: `var<storage, read>`, and texels where the kernel is [`Kernel::paged`].
     Scene,
+    /// An effect's data: always texels, which take none of the eight storage buffers.
+    Texels,
 }
 
 /// What the host knows of a kernel before it is compiled: a constant beside the pass that uses it.
 ///
-/// Binding 0 is the uniform `Params`, which starts with `base` and `count`; the storage buffers follow from binding 1.
+/// Binding 0 is the uniform `Params`, which starts with `base` and `count`; the storage buffers follow from binding 1, then
+/// the texels of effects. Which of them a pipeline has is found when it is [specialised](super::specialise).
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     /// Name of the kernel: `wgsl/<name>.wgsl`, entry `main`.
     pub name: &'static str,
-    /// The storage buffers, at most eight.
+    /// The storage buffers, at most eight, and the texels of effects.
     pub buffers: &'static [Access],
     /// Values of its `override` constants, where they are not the shader's own; another pipeline each.
     pub constants: Constants,
@@ -36,8 +40,57 @@ pub struct Kernel {
     pub paged: bool,
 }
 
-/// Names and values of `override` constants; a `bool` is 0 or 1.
-pub type Constants = &'static [(&'static str, u32)];
+/// Most constants of a kernel.
+const MOST_CONSTANTS: usize = 12;
+
+/// Names and values of `override` constants: what a scene calls for.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Constants {
+    // Values by their bits, so that pipelines are told apart by them.
+    list: [(&'static str, u64); MOST_CONSTANTS],
+    count: usize,
+}
+
+/// A value that a constant may have.
+pub trait ConstantValue {
+    /// As WGSL takes it: a `bool` is 0 or 1.
+    fn value(self) -> f64;
+}
+
+impl ConstantValue for bool {
+    fn value(self) -> f64 {
+        self.into()
+    }
+}
+
+impl ConstantValue for f32 {
+    fn value(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Constants {
+    /// The shader's own.
+    pub const NONE: Constants = Constants { list: [("", 0); MOST_CONSTANTS], count: 0 };
+
+    /// One more.
+    pub fn with(mut self, name: &'static str, value: impl ConstantValue) -> Constants {
+        self.list[self.count] = (name, value.value().to_bits());
+        self.count += 1;
+        self
+    }
+
+    /// Names and values.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.list[..self.count].iter().map(|&(name, bits)| (name, f64::from_bits(bits)))
+    }
+}
+
+impl std::fmt::Debug for Constants {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_map().entries(self.iter()).finish()
+    }
+}
 
 /// What tells pipelines apart: the kernel's name, its constants, and whether the scene is paged.
 pub(super) type Key = (&'static str, Constants, bool);
@@ -45,7 +98,7 @@ pub(super) type Key = (&'static str, Constants, bool);
 impl Kernel {
     /// A kernel with its shader's own constants.
     pub const fn new(name: &'static str, buffers: &'static [Access]) -> Kernel {
-        Kernel { name, buffers, constants: &[], paged: false }
+        Kernel { name, buffers, constants: Constants::NONE, paged: false }
     }
 
     /// The kernel with other constants.
@@ -64,6 +117,8 @@ impl Kernel {
 pub struct Pipeline {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
+    /// The bindings that it has, of the kernel's.
+    pub(super) bindings: Vec<u32>,
     /// Invocations in a workgroup.
     pub(super) group: u32,
     /// Seconds to make the pipeline.
@@ -110,36 +165,30 @@ impl Gpu {
             composed.source = composed.source.replace(AS_WRITTEN, &format!("@workgroup_size({})", self.group));
         }
         let stage = || format!("compiling {}", kernel.name);
-        let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, value.into())).collect();
-
-        // Load the text; a refusal is retold with the true file and line.
-        let loaded = self.scoped(stage, || {
+        // What the scene does not call for is taken out; a refusal is told with the true file and line.
+        let special = specialise(&composed, &kernel.constants).map_err(|why| Error::Device { stage: stage(), why })?;
+        let module = self.scoped(stage, || {
             device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(&label),
-                source: wgpu::ShaderSource::Wgsl(composed.source.as_str().into()),
+                source: wgpu::ShaderSource::Wgsl(special.source.as_str().into()),
             })
-        });
-        let module = loaded.map_err(|e| match e {
-            Error::Device { stage, why } => Error::Device { stage, why: retold(&why, &composed) },
-            other => other,
         })?;
 
-        // Lay out the bindings: the parameters, then the buffers.
-        let entry = |binding: u32, ty: wgpu::BindingType| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        };
+        // Lay out the bindings that are left: the parameters, buffers, texels.
         let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-        let mut entries = vec![entry(0, buffer(wgpu::BufferBindingType::Uniform, true))];
-        entries.extend(kernel.buffers.iter().enumerate().map(|(i, &access)| {
-            let ty = match access {
-                Access::Scene if kernel.paged => super::paged::BINDING,
-                _ => buffer(wgpu::BufferBindingType::Storage { read_only: access != Access::Write }, false),
-            };
-            entry(i as u32 + 1, ty)
-        }));
+        let entries: Vec<wgpu::BindGroupLayoutEntry> = special
+            .bindings
+            .iter()
+            .map(|&binding| {
+                let ty = match binding.checked_sub(1).map(|i| kernel.buffers[i as usize]) {
+                    None => buffer(wgpu::BufferBindingType::Uniform, true),
+                    Some(Access::Texels) => super::paged::BINDING,
+                    Some(Access::Scene) if kernel.paged => super::paged::BINDING,
+                    Some(access) => buffer(wgpu::BufferBindingType::Storage { read_only: access != Access::Write }, false),
+                };
+                wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
+            })
+            .collect();
         self.scoped(stage, || {
             let layout =
                 device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
@@ -153,22 +202,17 @@ impl Gpu {
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some("main"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
-                    ..wgpu::PipelineCompilationOptions::default()
-                },
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             });
-            Pipeline { pipeline, layout, group: self.group, seconds: start.elapsed().as_secs_f64(), warm: OnceLock::new() }
+            Pipeline {
+                pipeline,
+                layout,
+                bindings: special.bindings,
+                group: self.group,
+                seconds: start.elapsed().as_secs_f64(),
+                warm: OnceLock::new(),
+            }
         })
-    }
-}
-
-/// A compiler message with its first `wgsl:line:column` led back to the source file.
-fn retold(why: &str, composed: &wgsl::Composed) -> String {
-    let line = why.split("wgsl:").nth(1).and_then(|rest| rest.split(':').next()).and_then(|n| n.parse().ok());
-    match line {
-        Some(line) => format!("{}: {why}", composed.locate(line)),
-        None => why.to_string(),
     }
 }

@@ -20,6 +20,8 @@ mod publish;
 pub mod readback;
 #[doc(hidden)]
 pub mod sentinel;
+#[doc(hidden)]
+pub mod specialise;
 pub(crate) mod stamps;
 #[doc(hidden)]
 pub mod wgsl;

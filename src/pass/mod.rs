@@ -25,7 +25,7 @@ pub use engine::GpuEngine;
 use crate::error::{Error, Result};
 use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::{Geometry, Obstacle, Scene, depth, obstacle};
+use crate::scene::{Called, Geometry, Scene, depth};
 use crate::twin::assign::Surface;
 use crate::twin::trace::STACK;
 
@@ -48,29 +48,24 @@ const KERNELS: &[Kernel] = &[
 /// Those that look at surfaces, each once for every space.
 const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit::PROBE, shoot::KERNEL];
 
-/// What sets the shaders to a space, and leaves out shadow rays where nothing can occlude.
-fn constants(flatland: bool, occludes: bool) -> Constants {
-    match (flatland, occludes) {
-        (false, true) => &[],
-        (true, true) => &[("FLATLAND", 1)],
-        (false, false) => &[("OCCLUSION", 0)],
-        (true, false) => &[("FLATLAND", 1), ("OCCLUSION", 0)],
-    }
+/// What sets the shaders to what a scene calls for.
+fn constants(called: &Called) -> Constants {
+    Constants::NONE.with("FLATLAND", called.flatland).with("OCCLUSION", called.occlusion)
 }
 
 /// Every kernel with every text and every set of constants that it may have.
 pub fn variants() -> Vec<Kernel> {
+    let each = [false, true];
+    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion }));
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
-    let spaces = [(false, false), (false, true), (true, false), (true, true)];
-    let spatial = spaces.into_iter().flat_map(|(flat, occludes)| spatial().map(move |k| k.with(constants(flat, occludes))));
+    let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
     let all = KERNELS.iter().copied().chain(spatial);
     all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
 }
 
 /// The kernels that bakes and read-outs of a scene use on a device.
 pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
-    let constants = constants(scene.is_flatland(), obstacle(scene) != Obstacle::None);
-    // Where faces are dropped it may come out otherwise; what is missing then is compiled when it is needed.
+    let constants = constants(&Called::by_scene(scene));
     let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
     let paged = bytes > device.limits().max_storage_buffer_binding_size;
     let all = KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants)));
@@ -109,7 +104,7 @@ pub struct SceneBuffers {
     pub emitter_density: f32,
     /// Triangle of each tile.
     pub tile_tri: GpuVec<u32>,
-    /// What sets the shaders to its space.
+    /// What sets the shaders to what it calls for.
     constants: Constants,
     /// Whether hierarchy and triangles are paged.
     paged: bool,
@@ -129,7 +124,7 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
-            constants: constants(geometry.flatland, geometry.occludes),
+            constants: constants(&Called::by(geometry)),
             paged,
         })
     }

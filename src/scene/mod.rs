@@ -1,5 +1,6 @@
 //! What is to be lit: triangles, materials, and their preparation for the passes. No wgpu here.
 
+mod called;
 mod convex;
 mod distribution;
 mod extruded;
@@ -19,6 +20,8 @@ mod toml;
 mod transform;
 mod unread;
 
+#[doc(hidden)]
+pub use called::Called;
 pub(crate) use convex::{Obstacle, obstacle};
 #[doc(hidden)]
 pub use distribution::cumulative;

@@ -1,0 +1,733 @@
+const BACK: u32 = 3u;
+
+const F32_MAX: f32 = 340282350000000000000000000000000000000f;
+
+const FRONT: u32 = 1u;
+
+const NONE: u32 = 4294967295u;
+
+const SKY: u32 = 2u;
+
+const STACK: u32 = 48u;
+
+const TWIN: u32 = 2147483648u;
+
+struct BvhNode {
+    min: vec3<f32>,
+    count: u32,
+    max: vec3<f32>,
+    first: u32,
+}
+
+struct Hit {
+    t: f32,
+    tri: u32,
+    b1_: f32,
+    b2_: f32,
+}
+
+struct Met {
+    kind: u32,
+    hit: Hit,
+}
+
+struct Params {
+    base: u32,
+    count: u32,
+    flag: u32,
+    seed: u32,
+    first: u32,
+    rays: u32,
+    pad0_: u32,
+    pad1_: u32,
+}
+
+struct Point {
+    p: vec3<f32>,
+    tri: u32,
+    tile: u32,
+    kind: u32,
+    weight: f32,
+    density: f32,
+}
+
+struct Shear {
+    kz: u32,
+    sx: f32,
+    sy: f32,
+    sz: f32,
+}
+
+struct Tangents {
+    t1_: vec3<f32>,
+    t2_: vec3<f32>,
+}
+
+struct Tri {
+    v0_: vec3<f32>,
+    material: u32,
+    v1_: vec3<f32>,
+    plane: u32,
+    v2_: vec3<f32>,
+    first_tile: u32,
+    normal: vec3<f32>,
+    split: u32,
+}
+
+@group(0) @binding(0) 
+var<uniform> params: Params;
+
+@group(0) @binding(1) 
+var<storage> bvh: array<BvhNode>;
+
+@group(0) @binding(2) 
+var<storage> tris: array<Tri>;
+
+@group(0) @binding(3) 
+var<storage> points: array<Point>;
+
+@group(0) @binding(4) 
+var<storage, read_write> hits: array<Point>;
+
+@group(0) @binding(5) 
+var<storage, read_write> status: array<atomic<u32>>;
+
+var<private> unfinished: bool = false;
+
+fn box_count(i_4: u32) -> u32 {
+    let _e4 = bvh[i_4].count;
+    return _e4;
+}
+
+fn box_first(i_5: u32) -> u32 {
+    let _e4 = bvh[i_5].first;
+    return _e4;
+}
+
+fn box_max(i_2: u32) -> vec3<f32> {
+    let _e4 = bvh[i_2].max;
+    return _e4;
+}
+
+fn box_min(i_1: u32) -> vec3<f32> {
+    let _e4 = bvh[i_1].min;
+    return _e4;
+}
+
+fn cos_sin_turn(u: f32) -> vec2<f32> {
+    let quarter = floor(((4f * u) + 0.5f));
+    let x_6 = ((u - (0.25f * quarter)) * 6.2831855f);
+    let x2_ = (x_6 * x_6);
+    let s_2 = (x_6 * (1f + (x2_ * (-0.16666667f + (x2_ * (0.008333334f + (x2_ * (-0.0001984127f + (x2_ * 0.0000027557319f)))))))));
+    let c = (1f + (x2_ * (-0.5f + (x2_ * (0.041666668f + (x2_ * (-0.0013888889f + (x2_ * 0.000024801588f))))))));
+    let q = (u32(quarter) & 3u);
+    if (q == 0u) {
+        return vec2<f32>(c, s_2);
+    }
+    if (q == 1u) {
+        return vec2<f32>(-(s_2), c);
+    }
+    if (q == 2u) {
+        return vec2<f32>(-(c), -(s_2));
+    }
+    return vec2<f32>(s_2, -(c));
+}
+
+fn cosine_direction(n_1: vec3<f32>, u_1: f32, v_3: f32) -> vec3<f32> {
+    let _e3 = tangents(n_1);
+    let _e4 = cos_sin_turn(v_3);
+    let r = sqrt(u_1);
+    let z = sqrt(max((1f - u_1), 0f));
+    return (((_e3.t1_ * (r * _e4.x)) + (_e3.t2_ * (r * _e4.y))) + (n_1 * z));
+}
+
+fn dot3_(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return (((a.x * b.x) + (a.y * b.y)) + (a.z * b.z));
+}
+
+fn edge(a_1: vec2<f32>, b_1: vec2<f32>) -> f32 {
+    var local_3: bool;
+    var local_4: bool;
+    if !((a_1.x < b_1.x)) {
+        if (a_1.x == b_1.x) {
+            local_4 = (a_1.y < b_1.y);
+        } else {
+            local_4 = false;
+        }
+        let _e17 = local_4;
+        local_3 = _e17;
+    } else {
+        local_3 = true;
+    }
+    let _e19 = local_3;
+    if _e19 {
+        return ((a_1.x * b_1.y) - (a_1.y * b_1.x));
+    }
+    return -(((b_1.x * a_1.y) - (b_1.y * a_1.x)));
+}
+
+fn enter(i_3: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
+    var local_2: bool;
+    let _e4 = box_min(i_3);
+    let t0_ = ((_e4 - origin) * inv);
+    let _e7 = box_max(i_3);
+    let t1_ = ((_e7 - origin) * inv);
+    let low = min(t0_, t1_);
+    let high = max(t0_, t1_);
+    let near = max(max(max(low.x, low.y), low.z), 0f);
+    let far = (min(min(high.x, high.y), high.z) * 1.0000005f);
+    if ((near * 0.9999995f) <= far) {
+        local_2 = ((near * 0.9999995f) < t_max);
+    } else {
+        local_2 = false;
+    }
+    let _e36 = local_2;
+    return select(F32_MAX, near, _e36);
+}
+
+fn finish() {
+    let _e1 = unfinished;
+    if _e1 {
+        let _e5 = params.flag;
+        let _e8 = atomicMax((&status[_e5]), 1u);
+        return;
+    } else {
+        return;
+    }
+}
+
+fn first_hit(tri: u32, p_1: vec3<f32>, direction_2: vec3<f32>) -> Met {
+    let _e4 = tri_plane(tri);
+    let _e8 = walk(p_1, direction_2, F32_MAX, vec2<u32>(_e4, NONE), false);
+    if (_e8.tri == NONE) {
+        return Met(SKY, _e8);
+    }
+    let _e15 = tri_normal(_e8.tri);
+    let _e16 = dot3_(_e15, direction_2);
+    if (_e16 < 0f) {
+        return Met(FRONT, _e8);
+    }
+    return Met(BACK, _e8);
+}
+
+fn hash(v: u32) -> u32 {
+    var x: u32;
+    x = v;
+    let _e2 = x;
+    let _e3 = x;
+    x = (_e2 ^ (_e3 >> 16u));
+    let _e7 = x;
+    x = (_e7 * 2146121005u);
+    let _e10 = x;
+    let _e11 = x;
+    x = (_e10 ^ (_e11 >> 15u));
+    let _e15 = x;
+    x = (_e15 * 2221713035u);
+    let _e18 = x;
+    let _e19 = x;
+    return (_e18 ^ (_e19 >> 16u));
+}
+
+fn laine_karras(v_1: u32, seed: u32) -> u32 {
+    var x_1: u32;
+    x_1 = (v_1 + seed);
+    let _e4 = x_1;
+    let _e5 = x_1;
+    x_1 = (_e4 ^ (_e5 * 1817228412u));
+    let _e9 = x_1;
+    let _e10 = x_1;
+    x_1 = (_e9 ^ (_e10 * 3090095698u));
+    let _e14 = x_1;
+    let _e15 = x_1;
+    x_1 = (_e14 ^ (_e15 * 3350193720u));
+    let _e19 = x_1;
+    let _e20 = x_1;
+    return (_e19 ^ (_e20 * 2367878886u));
+}
+
+fn meet_triangle(i_11: u32, origin_1: vec3<f32>, s: Shear, t_max_1: f32) -> Hit {
+    var local_5: bool;
+    var local_6: bool;
+    var local_7: bool;
+    var local_8: bool;
+    var local_9: bool;
+    var local_10: bool;
+    var local_11: bool;
+    let _e4 = tri_v0_(i_11);
+    let _e7 = turned((_e4 - origin_1), s.kz);
+    let _e8 = tri_v1_(i_11);
+    let _e11 = turned((_e8 - origin_1), s.kz);
+    let _e12 = tri_v2_(i_11);
+    let _e15 = turned((_e12 - origin_1), s.kz);
+    let pa = vec2<f32>((_e7.x - (s.sx * _e7.z)), (_e7.y - (s.sy * _e7.z)));
+    let pb = vec2<f32>((_e11.x - (s.sx * _e11.z)), (_e11.y - (s.sy * _e11.z)));
+    let pc = vec2<f32>((_e15.x - (s.sx * _e15.z)), (_e15.y - (s.sy * _e15.z)));
+    let _e49 = edge(pc, pb);
+    let _e50 = edge(pa, pc);
+    let _e51 = edge(pb, pa);
+    if !((_e49 < 0f)) {
+        local_5 = (_e50 < 0f);
+    } else {
+        local_5 = true;
+    }
+    let _e60 = local_5;
+    if !(_e60) {
+        local_6 = (_e51 < 0f);
+    } else {
+        local_6 = true;
+    }
+    let _e67 = local_6;
+    if _e67 {
+        if !((_e49 > 0f)) {
+            local_8 = (_e50 > 0f);
+        } else {
+            local_8 = true;
+        }
+        let _e78 = local_8;
+        if !(_e78) {
+            local_9 = (_e51 > 0f);
+        } else {
+            local_9 = true;
+        }
+        let _e85 = local_9;
+        local_7 = _e85;
+    } else {
+        local_7 = false;
+    }
+    let outside = local_7;
+    let det = ((_e49 + _e50) + _e51);
+    if !(outside) {
+        local_10 = (det == 0f);
+    } else {
+        local_10 = true;
+    }
+    let _e96 = local_10;
+    if _e96 {
+        return Hit(t_max_1, NONE, 0f, 0f);
+    }
+    let t = ((((_e49 * (s.sz * _e7.z)) + (_e50 * (s.sz * _e11.z))) + (_e51 * (s.sz * _e15.z))) / det);
+    if (t > 0f) {
+        local_11 = (t < t_max_1);
+    } else {
+        local_11 = false;
+    }
+    let _e122 = local_11;
+    if _e122 {
+        return Hit(t, i_11, (_e50 / det), (_e51 / det));
+    }
+    return Hit(t_max_1, NONE, 0f, 0f);
+}
+
+fn nonzero(x_4: f32) -> f32 {
+    return select(x_4, select(0.00000000000000000001f, -0.00000000000000000001f, (x_4 < 0f)), (abs(x_4) < 0.00000000000000000001f));
+}
+
+fn position(tri_1: u32, b1_: f32, b2_: f32) -> vec3<f32> {
+    var middle: vec3<f32>;
+    let _e3 = tri_v0_(tri_1);
+    let _e4 = tri_v1_(tri_1);
+    let _e5 = tri_v2_(tri_1);
+    let p_2 = ((_e3 + ((_e4 - _e3) * b1_)) + ((_e5 - _e3) * b2_));
+    middle = ((_e3 + _e4) * 0.5f);
+    middle = (((_e3 + _e4) + _e5) * 0.33333334f);
+    let _e20 = middle;
+    let d = (_e20 - p_2);
+    let _e22 = dot3_(d, d);
+    return (p_2 + (d * (0.000001f / max(sqrt(_e22), 0.000002f))));
+}
+
+fn scramble(x_2: u32, seed_1: u32) -> u32 {
+    let _e3 = laine_karras(reverseBits(x_2), seed_1);
+    return reverseBits(_e3);
+}
+
+fn seed_of(seed_3: u32, i: u32) -> u32 {
+    let _e4 = hash((i + 2654435769u));
+    let _e6 = hash((seed_3 ^ _e4));
+    return _e6;
+}
+
+fn shear(direction: vec3<f32>) -> Shear {
+    var kz_1: u32 = 2u;
+    var local_1: bool;
+    let a_2 = abs(direction);
+    if (a_2.x > a_2.y) {
+        local_1 = (a_2.x > a_2.z);
+    } else {
+        local_1 = false;
+    }
+    let _e13 = local_1;
+    if _e13 {
+        kz_1 = 0u;
+    } else {
+        if (a_2.y > a_2.z) {
+            kz_1 = 1u;
+        }
+    }
+    let _e19 = kz_1;
+    let _e20 = turned(direction, _e19);
+    let _e21 = kz_1;
+    return Shear(_e21, (_e20.x / _e20.z), (_e20.y / _e20.z), (1f / _e20.z));
+}
+
+fn sobol4_(index: u32, seed_2: u32) -> vec4<u32> {
+    var x_3: vec4<u32>;
+    var d1_: u32 = 2147483648u;
+    var d2a: u32 = 2147483648u;
+    var d2b: u32 = 3221225472u;
+    var d3a: u32 = 2147483648u;
+    var d3b: u32 = 3221225472u;
+    var d3c: u32 = 536870912u;
+    var bits: u32;
+    var local: bool;
+    x_3 = vec4<u32>(reverseBits(index), 0u, 0u, 0u);
+    bits = index;
+    loop {
+        let _e21 = bits;
+        if (_e21 != 0u) {
+        } else {
+            break;
+        }
+        {
+            let _e25 = bits;
+            let mask = (0u - (_e25 & 1u));
+            let _e30 = x_3.y;
+            let _e31 = d1_;
+            x_3.y = (_e30 ^ (_e31 & mask));
+            let _e35 = x_3.z;
+            let _e36 = d2a;
+            x_3.z = (_e35 ^ (_e36 & mask));
+            let _e40 = x_3.w;
+            let _e41 = d3a;
+            x_3.w = (_e40 ^ (_e41 & mask));
+            let _e44 = bits;
+            bits = (_e44 >> 1u);
+            let _e47 = d1_;
+            let _e48 = d1_;
+            d1_ = (_e47 ^ (_e48 >> 1u));
+            let _e52 = d2b;
+            let _e53 = d2a;
+            let _e55 = d2a;
+            let d2c = ((_e52 ^ _e53) ^ (_e55 >> 2u));
+            let _e59 = d2b;
+            d2a = _e59;
+            d2b = d2c;
+            let _e60 = d3b;
+            let _e61 = d3a;
+            let _e63 = d3a;
+            let d3d = ((_e60 ^ _e61) ^ (_e63 >> 3u));
+            let _e67 = d3b;
+            d3a = _e67;
+            let _e68 = d3c;
+            d3b = _e68;
+            d3c = d3d;
+        }
+    }
+    let _e71 = unfinished;
+    if !(_e71) {
+        let _e75 = bits;
+        local = (_e75 != 0u);
+    } else {
+        local = true;
+    }
+    let _e79 = local;
+    unfinished = _e79;
+    let _e80 = hash(seed_2);
+    let _e82 = x_3.x;
+    let _e83 = scramble(_e82, _e80);
+    let _e85 = x_3.y;
+    let _e88 = hash((_e80 ^ 1u));
+    let _e89 = scramble(_e85, _e88);
+    let _e91 = x_3.z;
+    let _e94 = hash((_e80 ^ 2u));
+    let _e95 = scramble(_e91, _e94);
+    let _e97 = x_3.w;
+    let _e100 = hash((_e80 ^ 3u));
+    let _e101 = scramble(_e97, _e100);
+    return vec4<u32>(_e83, _e89, _e95, _e101);
+}
+
+fn surface_point(tri_3: u32, b1_2: f32, b2_2: f32) -> Point {
+    let _e3 = position(tri_3, b1_2, b2_2);
+    let _e4 = tile_of(tri_3, b1_2, b2_2);
+    return Point(_e3, tri_3, _e4, 0u, 0f, 0f);
+}
+
+fn tangents(n: vec3<f32>) -> Tangents {
+    let s_1 = select(-1f, 1f, (n.z >= 0f));
+    let a_3 = (-1f / (s_1 + n.z));
+    let b_2 = ((n.x * n.y) * a_3);
+    return Tangents(vec3<f32>((1f + (((s_1 * n.x) * n.x) * a_3)), (s_1 * b_2), (-(s_1) * n.x)), vec3<f32>(b_2, (s_1 + ((n.y * n.y) * a_3)), -(n.y)));
+}
+
+fn tile_of(tri_2: u32, b1_1: f32, b2_1: f32) -> u32 {
+    var local_19: bool;
+    let _e3 = tri_split(tri_2);
+    let x_7 = (max(b1_1, 0f) * f32(_e3));
+    let y = (max(b2_1, 0f) * f32(_e3));
+    let i_15 = min(u32(x_7), (_e3 - 1u));
+    let j = min(u32(y), ((_e3 - 1u) - i_15));
+    if (((x_7 - f32(i_15)) + (y - f32(j))) > 1f) {
+        local_19 = ((j + 1u) < (_e3 - i_15));
+    } else {
+        local_19 = false;
+    }
+    let upper = local_19;
+    let _e36 = tri_first_tile(tri_2);
+    return (((_e36 + (i_15 * ((2u * _e3) - i_15))) + (2u * j)) + select(0u, 1u, upper));
+}
+
+fn tri_first_tile(i_14: u32) -> u32 {
+    let _e4 = tris[i_14].first_tile;
+    return _e4;
+}
+
+fn tri_normal(i_7: u32) -> vec3<f32> {
+    let _e4 = tris[i_7].normal;
+    return _e4;
+}
+
+fn tri_plane(i_6: u32) -> u32 {
+    let _e4 = tris[i_6].plane;
+    return _e4;
+}
+
+fn tri_split(i_13: u32) -> u32 {
+    let _e4 = tris[i_13].split;
+    return _e4;
+}
+
+fn tri_v0_(i_8: u32) -> vec3<f32> {
+    let _e4 = tris[i_8].v0_;
+    return _e4;
+}
+
+fn tri_v1_(i_9: u32) -> vec3<f32> {
+    let _e4 = tris[i_9].v1_;
+    return _e4;
+}
+
+fn tri_v2_(i_10: u32) -> vec3<f32> {
+    let _e4 = tris[i_10].v2_;
+    return _e4;
+}
+
+fn turned(v_2: vec3<f32>, kz: u32) -> vec3<f32> {
+    return select(select(v_2.xyz, v_2.zxy, (kz == 1u)), v_2.yzx, (kz == 0u));
+}
+
+fn unit(x_5: u32) -> f32 {
+    return (f32((x_5 >> 8u)) * 0.000000059604645f);
+}
+
+fn walk(origin_2: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+    var hit: Hit;
+    var stack: array<u32, 48>;
+    var top: u32 = 0u;
+    var at: u32 = 0u;
+    var open: bool;
+    var pop: bool;
+    var i_12: u32;
+    var local_12: bool;
+    var local_13: bool;
+    var met: Hit;
+    var local_14: bool;
+    var local_15: bool;
+    var local_16: bool;
+    var local_17: bool;
+    var local_18: bool;
+    let _e5 = shear(direction_1);
+    let _e7 = nonzero(direction_1.x);
+    let _e11 = nonzero(direction_1.y);
+    let _e15 = nonzero(direction_1.z);
+    let inv_1 = vec3<f32>((1f / _e7), (1f / _e11), (1f / _e15));
+    hit = Hit(t_max_2, NONE, 0f, 0f);
+    let _e31 = hit.t;
+    let _e32 = enter(0u, origin_2, inv_1, _e31);
+    open = (_e32 < F32_MAX);
+    loop {
+        let _e36 = open;
+        if _e36 {
+        } else {
+            break;
+        }
+        {
+            let _e37 = at;
+            let _e38 = box_count(_e37);
+            let _e39 = at;
+            let _e40 = box_first(_e39);
+            pop = true;
+            if (_e38 > 0u) {
+                i_12 = _e40;
+                loop {
+                    let _e46 = i_12;
+                    if (_e46 < (_e40 + _e38)) {
+                    } else {
+                        break;
+                    }
+                    {
+                        let _e49 = i_12;
+                        let _e50 = tri_plane(_e49);
+                        if !((_e50 == skip.x)) {
+                            local_12 = (_e50 == skip.y);
+                        } else {
+                            local_12 = true;
+                        }
+                        let _e59 = local_12;
+                        if _e59 {
+                            continue;
+                        }
+                        if ((_e50 & TWIN) != 0u) {
+                            let _e66 = i_12;
+                            let _e67 = tri_normal(_e66);
+                            let _e68 = dot3_(_e67, direction_1);
+                            local_13 = (_e68 >= 0f);
+                        } else {
+                            local_13 = false;
+                        }
+                        let _e72 = local_13;
+                        if _e72 {
+                            continue;
+                        }
+                        met = Hit();
+                        let _e75 = i_12;
+                        let _e77 = hit.t;
+                        let _e78 = meet_triangle(_e75, origin_2, _e5, _e77);
+                        met = _e78;
+                        let _e80 = met.tri;
+                        if (_e80 != NONE) {
+                            let _e83 = i_12;
+                            let _e84 = tri_normal(_e83);
+                            let _e85 = dot3_(_e84, direction_1);
+                            let _e87 = met.t;
+                            let _e92 = met.t;
+                            let behind = select(((t_max_2 - _e87) * -(_e85)), (_e92 * _e85), (_e85 > 0f));
+                            if (behind < 0.0000004f) {
+                                if !((_e85 > 0f)) {
+                                    local_15 = any_hit;
+                                } else {
+                                    local_15 = true;
+                                }
+                                let _e107 = local_15;
+                                local_14 = _e107;
+                            } else {
+                                local_14 = false;
+                            }
+                            let _e109 = local_14;
+                            if _e109 {
+                                continue;
+                            }
+                            let _e110 = met;
+                            hit = _e110;
+                            if any_hit {
+                                let _e111 = hit;
+                                return _e111;
+                            }
+                        }
+                    }
+                    continuing {
+                        let _e113 = i_12;
+                        i_12 = (_e113 + 1u);
+                    }
+                }
+                let _e117 = unfinished;
+                if !(_e117) {
+                    let _e121 = i_12;
+                    local_16 = (_e121 < (_e40 + _e38));
+                } else {
+                    local_16 = true;
+                }
+                let _e125 = local_16;
+                unfinished = _e125;
+            } else {
+                let _e127 = hit.t;
+                let _e128 = enter(_e40, origin_2, inv_1, _e127);
+                let _e132 = hit.t;
+                let _e133 = enter((_e40 + 1u), origin_2, inv_1, _e132);
+                let swap = (_e128 > _e133);
+                let far_1 = max(_e128, _e133);
+                if (min(_e128, _e133) < F32_MAX) {
+                    if (far_1 < F32_MAX) {
+                        let _e143 = unfinished;
+                        if !(_e143) {
+                            let _e147 = top;
+                            local_17 = (_e147 >= STACK);
+                        } else {
+                            local_17 = true;
+                        }
+                        let _e151 = local_17;
+                        unfinished = _e151;
+                        let _e152 = top;
+                        stack[min(_e152, 47u)] = select((_e40 + 1u), _e40, swap);
+                        let _e160 = top;
+                        top = (_e160 + 1u);
+                    }
+                    at = select(_e40, (_e40 + 1u), swap);
+                    pop = false;
+                }
+            }
+            let _e166 = pop;
+            if _e166 {
+                let _e167 = top;
+                if (_e167 == 0u) {
+                    open = false;
+                } else {
+                    let _e172 = top;
+                    top = (_e172 - 1u);
+                    let _e174 = top;
+                    let _e178 = stack[min(_e174, 47u)];
+                    at = _e178;
+                }
+            }
+        }
+    }
+    let _e181 = unfinished;
+    if !(_e181) {
+        let _e185 = open;
+        local_18 = _e185;
+    } else {
+        local_18 = true;
+    }
+    let _e187 = local_18;
+    unfinished = _e187;
+    let _e188 = hit;
+    return _e188;
+}
+
+@compute @workgroup_size(64, 1, 1) 
+fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
+    var p: Point = Point(vec3<f32>(), 4294967295u, 4294967295u, 0u, 0f, 0f);
+    let _e4 = params.count;
+    if (gid.x >= _e4) {
+        return;
+    }
+    let _e8 = params.base;
+    let r_1 = (_e8 + gid.x);
+    let _e13 = params.rays;
+    let i_16 = (r_1 / _e13);
+    let _e17 = params.first;
+    let _e20 = params.rays;
+    let k = (_e17 + (r_1 % _e20));
+    let tri_4 = points[i_16].tri;
+    if (tri_4 != NONE) {
+        let _e39 = params.seed;
+        let _e40 = seed_of(_e39, i_16);
+        let _e41 = sobol4_(k, _e40);
+        let _e45 = points[i_16].p;
+        let _e46 = tri_normal(tri_4);
+        let _e48 = unit(_e41.x);
+        let _e50 = unit(_e41.y);
+        let _e51 = cosine_direction(_e46, _e48, _e50);
+        let _e52 = first_hit(tri_4, _e45, _e51);
+        if (_e52.kind != SKY) {
+            let _e62 = surface_point(_e52.hit.tri, _e52.hit.b1_, _e52.hit.b2_);
+            p = _e62;
+            p.weight = _e52.hit.t;
+        }
+        p.kind = _e52.kind;
+    }
+    let _e70 = p;
+    hits[r_1] = _e70;
+    finish();
+    return;
+}
