@@ -140,6 +140,9 @@ pub trait Engine: Responder {
     fn compile_seconds(&self) -> f64;
     /// Lines of sight to emitters that have been walked so far; those that carry no light are counted, too.
     fn shadow_rays(&self) -> u64;
+
+    /// Bytes that the sweeps of [`Engine::jacobi`] have moved once for each colour band, or for all of them.
+    fn band_bytes(&self) -> u64;
     /// Bytes that live on the machine now (the host's own memory for the twin).
     fn device_bytes(&self) -> u64;
 }

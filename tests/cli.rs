@@ -168,7 +168,8 @@ fn with_json_there_is_one_object_whatever_happens() {
         ("--json bake s.obj --backend cpu --rays 5", "invalid_param", 2),
         ("bake s.obj --json --adapter no-such-thing", "no_such_device", 3),
         ("bakee --json", "usage", 2),
-        ("bake s.obj --json --effects auto", "not_built", 2),
+        ("bake s.obj --json --effects everything", "invalid_param", 2),
+        ("relight s.rcell --json", "not_built", 2),
     ] {
         let output = dir.run(args);
         let error = &object(&output)["error"];

@@ -4,7 +4,7 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use raycell::gpu::Constants;
 use raycell::gpu::specialise::specialise;
-use raycell::gpu::wgsl::{KERNELS, LIBS, compose};
+use raycell::gpu::wgsl::{KERNELS, LIBS, Text, compose};
 use std::collections::BTreeSet;
 use std::mem::{offset_of, size_of};
 
@@ -14,7 +14,7 @@ fn parse(kernel: &str) -> naga::Module {
 }
 
 fn parse_text(kernel: &str, paged: bool) -> naga::Module {
-    let composed = compose(kernel, paged);
+    let composed = compose(kernel, Text { paged, grey: false });
     naga::front::wgsl::parse_str(&composed.source).unwrap_or_else(|e| {
         let at = e.location(&composed.source).map_or(String::new(), |l| composed.locate(l.line_number as usize));
         panic!("{at}: {}", e.emit_to_string(&composed.source))
@@ -40,7 +40,7 @@ fn every_file_is_listed() {
 fn kernels_validate_within_the_budget() {
     let mut paged_texts = 0;
     for (kernel, paged) in KERNELS.iter().flat_map(|(kernel, _)| [(kernel, false), (kernel, true)]) {
-        let composed = compose(kernel, paged);
+        let composed = compose(kernel, Text { paged, grey: false });
         let module = parse_text(kernel, paged);
         // No capability at all: core WebGPU only.
         Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap_or_else(|e| {
@@ -91,7 +91,7 @@ fn effects_that_are_not_called_for_leave_no_trace() {
     std::fs::create_dir_all(&made).unwrap();
     let mut files = vec![("counts.csv".to_string(), "kernel,instructions,bindings\n".to_string())];
     for (kernel, _) in KERNELS {
-        let special = specialise(&compose(kernel, false), &Constants::NONE).unwrap();
+        let special = specialise(&compose(kernel, Text::default()), &Constants::NONE).unwrap();
         files[0].1 += &format!("{kernel},{},{}\n", special.instructions, special.bindings.len());
         files.push((format!("{kernel}.wgsl"), special.source));
     }
@@ -236,7 +236,7 @@ fn blocks_match() {
 
 #[test]
 fn composed_lines_lead_back_to_their_files() {
-    let composed = compose("shoot", false);
+    let composed = compose("shoot", Text::default());
     let count = composed.source.lines().count();
     assert_eq!(composed.lines.len(), count);
     for (name, text) in [("wgsl/shoot.wgsl", KERNELS), ("wgsl/lib/ray.wgsl", LIBS)] {

@@ -1,5 +1,6 @@
 // Pass jacobi, second kernel: irradiance and its gradient at each node. Twin: src/twin/jacobi.rs.
 #import layout
+#import bands
 #import finish
 
 struct Params {
@@ -13,18 +14,18 @@ struct Params {
 @group(0) @binding(1) var<storage, read> offsets: array<u32>;
 @group(0) @binding(2) var<storage, read> links: array<Link>;
 @group(0) @binding(3) var<storage, read> planes: array<Plane>;
-@group(0) @binding(4) var<storage, read> known: array<NodeLight>; // where each row starts
-@group(0) @binding(5) var<storage, read> beta: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> light: array<NodeLight>;
+@group(0) @binding(4) var<storage, read> known: array<Light>; // where each row starts
+@group(0) @binding(5) var<storage, read> beta: array<Packed>;
+@group(0) @binding(6) var<storage, read_write> light: array<Light>;
 @group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
 
-var<private> h: vec3<f32>;
-var<private> m1: vec3<f32>;
-var<private> m2: vec3<f32>;
+var<private> h: Bands;
+var<private> m1: Bands;
+var<private> m2: Bands;
 
 fn add(i: u32) {
     let l = links[i];
-    let b = beta[l.other].xyz;
+    let b = unpacked(beta[l.other]);
     h += b * l.value;
     m1 += b * l.first;
     m2 += b * l.second;
@@ -56,6 +57,6 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     unfinished = unfinished || i < end;
     let p = planes[j];
-    light[j] = NodeLight(h, 0u, m1 * p.i11 + m2 * p.i12, 0u, m1 * p.i12 + m2 * p.i22, 0u);
+    light[j] = Light(h, m1 * p.i11 + m2 * p.i12, m1 * p.i12 + m2 * p.i22);
     finish();
 }

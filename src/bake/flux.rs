@@ -141,6 +141,7 @@ pub(super) fn account<E: Engine>(
     clock.compile = Some(engine.compile_seconds());
     clock.device_bytes = Some(engine.device_bytes());
     clock.shadow_rays = Some(engine.shadow_rays());
+    clock.band_bytes = Some(engine.band_bytes());
     saved.keep(progress)
 }
 

@@ -35,6 +35,7 @@ pub(crate) struct Clock {
     pub compile: Option<f64>,
     pub device_bytes: Option<u64>,
     pub shadow_rays: Option<u64>,
+    pub band_bytes: Option<u64>,
 }
 
 impl Clock {
@@ -164,6 +165,7 @@ pub(crate) fn bake_prepared(
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
         ("shadow_rays", serde_json::json!(clock.shadow_rays)),
+        ("solve_band_bytes", serde_json::json!(clock.band_bytes)),
         ("stages", serde_json::json!(clock.seconds)),
         ("learned", serde_json::json!(saved.learned)),
         // Times are then those since the bake went on.

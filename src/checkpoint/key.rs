@@ -1,5 +1,6 @@
 //! Which bake a checkpoint is of: everything that its contents depend on.
 
+use crate::effects::Switches;
 use crate::engine::Backend;
 use crate::params::{Method, Mode, Params};
 use crate::scene::{Geometry, Scene};
@@ -15,6 +16,9 @@ pub(crate) struct Key {
     triangles: String,
     /// Digest of reflectances and emissions.
     materials: String,
+    /// Effects that were switched by hand; of older files none.
+    #[serde(default)]
+    effects: String,
     /// Adapter and driver, or cpu: another one rounds otherwise.
     device: String,
     params: Params,
@@ -37,6 +41,7 @@ impl Key {
             raycell: env!("CARGO_PKG_VERSION").into(),
             triangles: digest(&[bytes(&geometry.tris), bytes(&[geometry.scale]), bytes(&objects), names.as_bytes()]),
             materials: digest(&[bytes(&geometry.materials), bytes(&[geometry.emission_scale])]),
+            effects: if scene.effects == Switches::default() { String::new() } else { scene.effects.to_string() },
             device,
             params: params.clone(),
         }
@@ -65,6 +70,10 @@ impl Key {
         }
         if self.device != now.device {
             return changed("the device", &self.device, &now.device);
+        }
+        if self.effects != now.effects {
+            let words = |effects: &str| if effects.is_empty() { "auto".to_string() } else { effects.into() };
+            return changed("--effects", &words(&self.effects), &words(&now.effects));
         }
         if self.triangles != now.triangles {
             return Some("the scene's triangles or its objects' names have changed".into());

@@ -31,6 +31,7 @@ pub struct Flags {
 
 pub fn run(flags: Flags) -> Result<Done> {
     let scene = Scene::load_with(&flags.scene, &scene::options(&flags.reading))?;
+    let scene = scene::switched(scene, &flags.reading)?;
     let report = flags.after.as_deref().map(Report::read).transpose()?;
     let effects = effects::analyse(&scene)?;
     let mut text = format!(

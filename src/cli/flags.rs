@@ -6,8 +6,7 @@ use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
 /// Flags and commands that are promised but not built, and what to do meanwhile.
-const NOT_BUILT: &[(&str, &str)] =
-    &[("--effects", "a bake has what `raycell explain` says"), ("relight", "bake again with the new lights")];
+const NOT_BUILT: &[(&str, &str)] = &[("relight", "bake again with the new lights")];
 
 /// A refusal that names the first promised but unbuilt flag or command in the arguments.
 pub fn not_built(args: &[OsString]) -> Option<String> {
@@ -153,10 +152,9 @@ mod tests {
     #[test]
     fn promised_flags_are_named() {
         let args = |text: &str| text.split_whitespace().map(OsString::from).collect::<Vec<_>>();
-        assert!(not_built(&args("raycell bake a.obj --effects=none")).unwrap().starts_with("--effects is not built yet; "));
         assert!(not_built(&args("raycell relight a.rcell")).unwrap().starts_with("relight"));
         // A scene may be called what it likes.
         assert!(not_built(&args("raycell bake paper")).is_none());
-        assert!(not_built(&args("raycell bake -- --effects")).is_none());
+        assert!(not_built(&args("raycell bake -- relight")).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! Colour: whether the bands differ.
 
-use super::{Name, percent, told};
+use super::{Name, percent, shared, told};
 use crate::output::report::EffectReport;
 use crate::scene::{Material, Scene};
 
@@ -20,8 +20,8 @@ pub(super) fn colour(scene: &Scene) -> EffectReport {
     match most.filter(|m| of(m) > 0.0) {
         Some(m) => {
             let why = format!("bands differ by up to {} ('{}')", percent(of(m)), m.name);
-            told(Name::Colour, true, why, "three bands in every sum; geometry and rays are shared")
+            shared(told(Name::Colour, true, why, "three bands in every sum; geometry and rays are shared"), of(m))
         }
-        None => told(Name::Colour, false, "all is grey: the three bands are one".into(), "two bands that repeat the first"),
+        None => told(Name::Colour, false, "all is grey: the three bands are one".into(), "nothing: the solve carries one band"),
     }
 }

@@ -7,8 +7,10 @@ mod colour;
 mod light;
 mod names;
 mod occlusion;
+mod switches;
 
 pub use names::Name;
+pub use switches::{Switches, drop_below};
 
 use crate::error::Result;
 use crate::output::report::{EffectReport, Report};
@@ -31,6 +33,7 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
     Name::ALL
         .iter()
         .map(|&name| match name {
+            _ if scene.effects.asked(name) == Some(false) => asked_off(name),
             Name::Direct => direct(geometry, &look),
             Name::Occlusion => occlusion::occlusion(scene, geometry, &look),
             Name::Interreflection => interreflection(scene, geometry, &look),
@@ -64,7 +67,17 @@ pub fn after(report: &Report) -> Vec<(&'static str, f64)> {
 }
 
 fn told(name: Name, on: bool, why: String, cost: &str) -> EffectReport {
-    EffectReport { name: name.word().into(), on, why, cost: cost.into() }
+    EffectReport { name: name.word().into(), on, why, cost: cost.into(), share: None }
+}
+
+/// The same with its part of the light.
+fn shared(effect: EffectReport, share: f64) -> EffectReport {
+    EffectReport { share: Some(share), ..effect }
+}
+
+/// An effect that was asked off.
+fn asked_off(name: Name) -> EffectReport {
+    told(name, false, "asked off".into(), "nothing")
 }
 
 fn percent(x: f64) -> String {
@@ -104,7 +117,8 @@ fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectRep
         look.bounces,
         if look.bounces == 1 { "" } else { "s" },
     );
-    told(Name::Interreflection, true, why, "the network: training rays, coefficients and the solve")
+    let on = told(Name::Interreflection, true, why, "the network: training rays, coefficients and the solve");
+    shared(on, look.reflected)
 }
 
 fn two_sided(geometry: &Geometry) -> EffectReport {

@@ -1,15 +1,21 @@
 //! Occlusion: what stands in the way, or the proof that nothing can.
 
 use super::light::Look;
-use super::{Name, percent, told};
+use super::{Name, percent, shared, told};
 use crate::output::report::EffectReport;
 use crate::scene::{Geometry, Obstacle, Scene, obstacle};
+
+/// What it costs.
+const COST: &str = "a walk through the hierarchy for every shadow ray";
 
 /// The effect.
 pub(super) fn occlusion(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectReport {
     if !geometry.occludes {
         let why = "the scene is convex: no surface lies behind another's plane, so nothing can stand in light's way";
         return told(Name::Occlusion, false, why.into(), "nothing: no shadow ray is cast");
+    }
+    if scene.effects.asked(Name::Occlusion) == Some(true) {
+        return told(Name::Occlusion, true, "asked on".into(), COST);
     }
     let object = match obstacle(scene) {
         Obstacle::Behind(face) => scene.objects.get(scene.faces[face as usize].object as usize).map(String::as_str),
@@ -20,5 +26,5 @@ pub(super) fn occlusion(scene: &Scene, geometry: &Geometry, look: &Look) -> Effe
         0.0 => format!("the scene is not convex{first}, though of {} lines of sight to emitters none was blocked", look.lines),
         share => format!("the scene is not convex{first}: {} of the lines of sight to emitters are blocked", percent(share)),
     };
-    told(Name::Occlusion, true, why, "a walk through the hierarchy for every shadow ray")
+    shared(told(Name::Occlusion, true, why, COST), look.blocked)
 }

@@ -182,7 +182,7 @@ impl Gpu {
         let slots = kernels.iter().map(|k| k.buffers.len()).max().unwrap_or(0);
         let stand_ins: Vec<GpuVec<[u8; STAND_IN]>> =
             (0..slots).map(|_| self.upload("stand-in", &[[0; STAND_IN]])).collect::<Result<_>>()?;
-        let in_texels = |k: &Kernel, access: Access| access == Access::Texels || (k.paged && access == Access::Scene);
+        let in_texels = |k: &Kernel, access: Access| access == Access::Texels || (k.text.paged && access == Access::Scene);
         let texels = match kernels.iter().any(|k| k.buffers.iter().any(|&a| in_texels(k, a))) {
             true => Some(Records::page(self, "stand-in", &[[0u8; STAND_IN]])?),
             false => None,

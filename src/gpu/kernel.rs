@@ -1,7 +1,8 @@
 //! Kernels: their bindings, and their pipelines, made when first used.
 
+use super::Gpu;
 use super::specialise::specialise;
-use super::{Gpu, wgsl};
+use super::wgsl::{self, Text};
 use crate::error::{Error, Result};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -36,8 +37,8 @@ pub struct Kernel {
     pub buffers: &'static [Access],
     /// Values of its `override` constants, where they are not the shader's own; another pipeline each.
     pub constants: Constants,
-    /// Whether the scene's records come as texels: another text, and another pipeline ([`super::paged`]).
-    pub paged: bool,
+    /// Which of its texts: another pipeline each.
+    pub text: Text,
 }
 
 /// Most constants of a kernel.
@@ -92,13 +93,13 @@ impl std::fmt::Debug for Constants {
     }
 }
 
-/// What tells pipelines apart: the kernel's name, its constants, and whether the scene is paged.
-pub(super) type Key = (&'static str, Constants, bool);
+/// What tells pipelines apart: the kernel's name, its constants, and its text.
+pub(super) type Key = (&'static str, Constants, Text);
 
 impl Kernel {
     /// A kernel with its shader's own constants.
     pub const fn new(name: &'static str, buffers: &'static [Access]) -> Kernel {
-        Kernel { name, buffers, constants: Constants::NONE, paged: false }
+        Kernel { name, buffers, constants: Constants::NONE, text: Text { paged: false, grey: false } }
     }
 
     /// The kernel with other constants.
@@ -108,7 +109,12 @@ impl Kernel {
 
     /// The kernel for a scene whose records are paged, or not.
     pub const fn paged(self, paged: bool) -> Kernel {
-        Kernel { paged, ..self }
+        Kernel { text: Text { paged, ..self.text }, ..self }
+    }
+
+    /// The kernel for a scene that is all grey, or not.
+    pub const fn grey(self, grey: bool) -> Kernel {
+        Kernel { text: Text { grey, ..self.text }, ..self }
     }
 }
 
@@ -134,7 +140,7 @@ impl Gpu {
     /// Errors: [`Error::Device`] with file and line where the shader is refused.
     pub fn pipeline(&self, kernel: &Kernel) -> Result<Arc<Pipeline>> {
         let mut cache = self.kernels.lock().unwrap_or_else(|e| e.into_inner());
-        let key = (kernel.name, kernel.constants, kernel.paged);
+        let key = (kernel.name, kernel.constants, kernel.text);
         if let Some(found) = cache.get(&key) {
             return Ok(found.clone());
         }
@@ -160,7 +166,7 @@ impl Gpu {
         let start = Instant::now();
         let device = &self.device;
         let label = format!("raycell.{}", kernel.name);
-        let mut composed = wgsl::compose(kernel.name, kernel.paged);
+        let mut composed = wgsl::compose(kernel.name, kernel.text);
         if self.group != WORKGROUP {
             composed.source = composed.source.replace(AS_WRITTEN, &format!("@workgroup_size({})", self.group));
         }
@@ -183,7 +189,7 @@ impl Gpu {
                 let ty = match binding.checked_sub(1).map(|i| kernel.buffers[i as usize]) {
                     None => buffer(wgpu::BufferBindingType::Uniform, true),
                     Some(Access::Texels) => super::paged::BINDING,
-                    Some(Access::Scene) if kernel.paged => super::paged::BINDING,
+                    Some(Access::Scene) if kernel.text.paged => super::paged::BINDING,
                     Some(access) => buffer(wgpu::BufferBindingType::Storage { read_only: access != Access::Write }, false),
                 };
                 wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }

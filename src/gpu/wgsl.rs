@@ -4,7 +4,8 @@
 //! conditionals. A line map leads every line of the composed text back to its file.
 //!
 //! Of kernels that look at triangles there is a second text, for scenes that exceed one binding ([`super::paged`]):
-//! the bindings of `PAGED` are textures there, and the modules that read them have others in their place.
+//! the bindings of `PAGED` are textures there, and the modules that read them have others in their place. Of those that carry
+//! colour bands through the solve there is one for scenes that are all grey.
 
 /// Embeds `wgsl/<folder><name>.wgsl` under its name.
 macro_rules! sources {
@@ -17,7 +18,10 @@ macro_rules! sources {
 pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather", "respond"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "boxes", "boxes_paged", "triangles", "triangles_paged"];
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "bands", "bands_one", "boxes", "boxes_paged", "triangles", "triangles_paged"];
+
+/// The module of colour bands, and the one in its place where all is grey.
+const BANDS: (&str, &str) = ("bands", "bands_one");
 
 /// What differs where the scene is paged: the module that reads records, the one in its place, and the binding's type.
 const PAGED: [(&str, &str, &str); 2] =
@@ -60,11 +64,20 @@ fn find(list: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
     list.iter().find(|(n, _)| *n == name).map(|&(_, text)| text)
 }
 
-/// The full text of a kernel and where its lines come from; `paged` for a scene that exceeds one binding.
+/// Which text of a kernel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Text {
+    /// For a scene that exceeds one binding.
+    pub paged: bool,
+    /// For a scene that is all grey: one colour band.
+    pub grey: bool,
+}
+
+/// The full text of a kernel and where its lines come from.
 ///
 /// Panics where the kernel or an import does not exist: the sources are embedded, so that is a
 /// mistake of this crate, which its tests find.
-pub fn compose(kernel: &str, paged: bool) -> Composed {
+pub fn compose(kernel: &str, Text { paged, grey }: Text) -> Composed {
     let text = find(KERNELS, kernel).unwrap_or_else(|| panic!("no kernel wgsl/{kernel}.wgsl"));
     let mut composed = Composed { source: String::new(), lines: Vec::new() };
     let mut queue = vec![(format!("wgsl/{kernel}.wgsl"), text)];
@@ -79,6 +92,7 @@ pub fn compose(kernel: &str, paged: bool) -> Composed {
             if let Some(name) = line.strip_prefix("#import ") {
                 let name = name.trim();
                 let name = PAGED.iter().find(|p| paged && p.0 == name).map_or(name, |p| p.1);
+                let name = if grey && name == BANDS.0 { BANDS.1 } else { name };
                 if !seen.contains(&name) {
                     let lib = find(LIBS, name).unwrap_or_else(|| panic!("{file}:{}: no wgsl/lib/{name}.wgsl", i + 1));
                     seen.push(name);

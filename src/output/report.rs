@@ -94,6 +94,9 @@ pub struct EffectReport {
     pub why: String,
     /// What it costs, in words.
     pub cost: String,
+    /// Its part of the light, estimated from a few thousand paths; none where it was not estimated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
 }
 
 /// Wall time of the stages, seconds; null where a stage was not run or not measured.

@@ -7,7 +7,7 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::gpu::{Gpu, GpuVec};
 use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi, ResponseSums, Sample, Tile, kind};
-use crate::scene::Geometry;
+use crate::scene::{Called, Geometry};
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
 use crate::twin::direct::Samples;
@@ -28,6 +28,10 @@ pub struct GpuEngine<'a> {
     /// Whether shadow rays are cast, and how many were.
     occludes: bool,
     shadow_rays: u64,
+    /// Bytes of colour bands that sweeps have moved.
+    band_bytes: u64,
+    /// Whether the scene is all grey.
+    grey: bool,
 }
 
 /// Points on the device, with what the passes have found about them.
@@ -55,9 +59,11 @@ impl<'a> GpuEngine<'a> {
             scene: SceneBuffers::new(gpu, geometry)?,
             surface: SurfaceBuffers::new(gpu, &Surface::default())?,
             light: gpu.alloc("light", 0)?,
-            system: SystemBuffers::new(gpu, &System::default())?,
+            system: SystemBuffers::new(gpu, &System::default(), false)?,
             occludes: geometry.occludes && !geometry.emitters.is_empty(),
             shadow_rays: 0,
+            band_bytes: 0,
+            grey: Called::by(geometry).grey,
         })
     }
 
@@ -284,14 +290,13 @@ impl Engine for GpuEngine<'_> {
     }
 
     fn set_system(&mut self, system: &System) -> Result<()> {
-        self.system = SystemBuffers::new(self.gpu, system)?;
+        self.system = SystemBuffers::new(self.gpu, system, self.grey)?;
         Ok(())
     }
 
     fn jacobi(&mut self, light: &[NodeLight], sweeps: u32) -> Result<Vec<NodeLight>> {
-        let light = self.gpu.upload("light", light)?;
-        super::jacobi::jacobi(self.gpu, &self.scene, &self.system, &light, sweeps)?;
-        self.fetch(&light)
+        self.band_bytes += u64::from(sweeps) * self.system.band_bytes();
+        super::jacobi::jacobi(self.gpu, &self.scene, &self.system, light, sweeps)
     }
 
     fn readout(&mut self, batch: &mut GpuBatch) -> Result<()> {
@@ -324,6 +329,10 @@ impl Engine for GpuEngine<'_> {
 
     fn shadow_rays(&self) -> u64 {
         self.shadow_rays
+    }
+
+    fn band_bytes(&self) -> u64 {
+        self.band_bytes
     }
 
     fn device_bytes(&self) -> u64 {

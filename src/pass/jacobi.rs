@@ -30,37 +30,93 @@ pub(super) const BETA: Kernel = Kernel::new(
 pub(super) const UPDATE: Kernel =
     Kernel::new("update", &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
 
-/// A linear system on the device.
-#[derive(Clone, Debug)]
-pub struct SystemBuffers {
-    cell_offsets: GpuVec<u32>,
-    cell_links: GpuVec<Link>,
-    source: GpuVec<[f32; 4]>,
-    node_offsets: GpuVec<u32>,
-    node_links: GpuVec<Link>,
-    planes: GpuVec<Plane>,
-    known: GpuVec<NodeLight>,
-    beta: GpuVec<[f32; 4]>,
+/// Bands of a scene's light, as the kernels hold them: all three, or where the scene is grey the first alone.
+#[derive(Clone, Copy, Debug)]
+struct Bands {
+    grey: bool,
 }
 
-impl SystemBuffers {
-    /// Uploads a system.
-    pub fn new(gpu: &Gpu, system: &System) -> Result<SystemBuffers> {
-        Ok(SystemBuffers {
-            cell_offsets: gpu.upload("cell offsets", &system.cell_offsets)?,
-            cell_links: gpu.upload("cell links", &system.cell_links)?,
-            source: gpu.upload("source", &system.source)?,
-            node_offsets: gpu.upload("node offsets", &system.node_offsets)?,
-            node_links: gpu.upload("node links", &system.node_links)?,
-            planes: gpu.upload("planes", &system.planes)?,
-            known: gpu.upload("known light", &system.node_source)?,
-            beta: gpu.alloc("beta", system.source.len())?,
-        })
+impl Bands {
+    /// Words that a cell takes.
+    fn of_cell(self) -> usize {
+        if self.grey { 1 } else { 4 }
+    }
+
+    /// Words that a node's light takes.
+    fn of_node(self) -> usize {
+        if self.grey { 3 } else { size_of::<NodeLight>() / size_of::<f32>() }
+    }
+
+    fn cells(self, cells: &[[f32; 4]]) -> Vec<f32> {
+        cells.iter().flat_map(|c| &c[..self.of_cell()]).copied().collect()
+    }
+
+    fn nodes(self, light: &[NodeLight]) -> Vec<f32> {
+        match self.grey {
+            true => light.iter().flat_map(|l| [l.h[0], l.g0[0], l.g1[0]]).collect(),
+            false => bytemuck::cast_slice(light).to_vec(),
+        }
+    }
+
+    fn light(self, words: &[f32]) -> Vec<NodeLight> {
+        let one = |w: &[f32]| NodeLight { h: [w[0]; 3], g0: [w[1]; 3], g1: [w[2]; 3], ..NodeLight::default() };
+        match self.grey {
+            true => words.chunks_exact(3).map(one).collect(),
+            false => bytemuck::pod_collect_to_vec(words),
+        }
     }
 }
 
-/// Sweeps `light` in place.
-pub fn jacobi(gpu: &Gpu, scene: &SceneBuffers, system: &SystemBuffers, light: &GpuVec<NodeLight>, sweeps: u32) -> Result<()> {
+/// A linear system on the device.
+#[derive(Clone, Debug)]
+pub struct SystemBuffers {
+    bands: Bands,
+    cells: usize,
+    cell_offsets: GpuVec<u32>,
+    cell_links: GpuVec<Link>,
+    source: GpuVec<f32>,
+    node_offsets: GpuVec<u32>,
+    node_links: GpuVec<Link>,
+    planes: GpuVec<Plane>,
+    known: GpuVec<f32>,
+    beta: GpuVec<f32>,
+}
+
+impl SystemBuffers {
+    /// Uploads a system; of a `grey` scene one band.
+    pub fn new(gpu: &Gpu, system: &System, grey: bool) -> Result<SystemBuffers> {
+        let (bands, cells) = (Bands { grey }, system.source.len());
+        Ok(SystemBuffers {
+            bands,
+            cells,
+            cell_offsets: gpu.upload("cell offsets", &system.cell_offsets)?,
+            cell_links: gpu.upload("cell links", &system.cell_links)?,
+            source: gpu.upload("source", &bands.cells(&system.source))?,
+            node_offsets: gpu.upload("node offsets", &system.node_offsets)?,
+            node_links: gpu.upload("node links", &system.node_links)?,
+            planes: gpu.upload("planes", &system.planes)?,
+            known: gpu.upload("known light", &bands.nodes(&system.node_source))?,
+            beta: gpu.alloc("beta", cells * bands.of_cell())?,
+        })
+    }
+
+    /// Bytes that a sweep moves once for each band or all of them: what cells send, and what nodes are lit by.
+    pub fn band_bytes(&self) -> u64 {
+        let words = 2 * self.cells * self.bands.of_cell() + 2 * self.planes.len() * self.bands.of_node();
+        (words * size_of::<f32>()) as u64
+    }
+}
+
+/// Sweeps from `light`; of a system of one band it is grey, too.
+pub fn jacobi(
+    gpu: &Gpu,
+    scene: &SceneBuffers,
+    system: &SystemBuffers,
+    light: &[NodeLight],
+    sweeps: u32,
+) -> Result<Vec<NodeLight>> {
+    let light = gpu.upload("light", &system.bands.nodes(light))?;
+    let [cells, nodes] = [BETA, UPDATE].map(|kernel| kernel.grey(system.bands.grey));
     let beta = [
         system.cell_offsets.buffer(),
         system.cell_links.buffer(),
@@ -81,8 +137,8 @@ pub fn jacobi(gpu: &Gpu, scene: &SceneBuffers, system: &SystemBuffers, light: &G
         gpu.status(),
     ];
     let params = |kernel| Params { flag: gpu.flag(kernel), ..Params::default() };
-    let beta = gpu.prepare(&BETA, &params(&BETA), &beta, system.source.len(), LIGHT)?;
-    let update = gpu.prepare(&UPDATE, &params(&UPDATE), &update, system.planes.len(), LIGHT)?;
+    let beta = gpu.prepare(&cells, &params(&cells), &beta, system.cells, LIGHT)?;
+    let update = gpu.prepare(&nodes, &params(&nodes), &update, system.planes.len(), LIGHT)?;
     let links = system.cell_links.len() + system.node_links.len();
     let most = (LINKS / links.max(1)).clamp(1, SWEEPS);
     let mut left = sweeps as usize;
@@ -91,5 +147,5 @@ pub fn jacobi(gpu: &Gpu, scene: &SceneBuffers, system: &SystemBuffers, light: &G
         gpu.run_jobs(&[&beta, &update], now)?;
         left -= now;
     }
-    Ok(())
+    Ok(system.bands.light(&gpu.read_finished(&light, 0, light.len())?))
 }

@@ -56,20 +56,23 @@ fn constants(called: &Called) -> Constants {
 /// Every kernel with every text and every set of constants that it may have.
 pub fn variants() -> Vec<Kernel> {
     let each = [false, true];
-    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion }));
+    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion, grey: false }));
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
     let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
-    let all = KERNELS.iter().copied().chain(spatial);
+    let grey = [jacobi::BETA, jacobi::UPDATE].map(|k| k.grey(true));
+    let all = KERNELS.iter().copied().chain(grey).chain(spatial);
     all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
 }
 
 /// The kernels that bakes and read-outs of a scene use on a device.
 pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
-    let constants = constants(&Called::by_scene(scene));
+    let called = Called::by_scene(scene);
+    let constants = constants(&called);
     let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
     let paged = bytes > device.limits().max_storage_buffer_binding_size;
     let all = KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants)));
-    all.map(|k| k.paged(paged && k.buffers.contains(&Access::Scene))).collect()
+    let in_bands = |k: &Kernel| [jacobi::BETA.name, jacobi::UPDATE.name].contains(&k.name);
+    all.map(|k| k.paged(paged && k.buffers.contains(&Access::Scene)).grey(called.grey && in_bands(&k))).collect()
 }
 
 /// Declares a kernel's parameters: `base` and `count`, which the dispatcher writes, then the pass's own.

@@ -3,6 +3,7 @@
 
 use super::{Obstacle, Scene, cumulative, hierarchy, obstacle};
 use crate::disjoint::Disjoint;
+use crate::effects::Name;
 use crate::error::{Error, Result};
 use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
@@ -33,6 +34,8 @@ pub struct Geometry {
     pub flatland: bool,
     /// Whether anything may stand between two points that face each other; where nothing can, no shadow ray is cast.
     pub occludes: bool,
+    /// Whether light that surfaces reflect is followed; not where that was asked off.
+    pub interreflects: bool,
     /// Share of the light that arrives ([`crate::params::Norm`]); the reflectances in `materials` are multiplied by
     /// it, so that no pass need know.
     pub arrives: f64,
@@ -281,7 +284,8 @@ impl Geometry {
         let lit = area.max(1e-3 * total);
         let mut geometry = Geometry {
             flatland,
-            occludes: obstacle(scene) != Obstacle::None,
+            occludes: scene.effects.asked(Name::Occlusion).unwrap_or_else(|| obstacle(scene) != Obstacle::None),
+            interreflects: scene.effects.asked(Name::Interreflection).unwrap_or(true),
             arrives: 1.0,
             center,
             scale,
@@ -328,7 +332,7 @@ impl Geometry {
     /// Whether anything reflects light, and there is some: where not, all light is direct.
     pub fn reflects(&self) -> bool {
         let rho = |t: usize| self.material_of(t).rho;
-        !self.emitters.is_empty() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])
+        self.interreflects && !self.emitters.is_empty() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])
     }
 
     /// Of which materials errors are measured: those that reflect and do not shine, whose light is found and not given.

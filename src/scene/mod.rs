@@ -35,6 +35,7 @@ pub use load::{KdSpace, LoadOptions, Up};
 pub use surface::Located;
 pub(crate) use surface::nearest_on_triangle;
 
+use crate::effects::Switches;
 use crate::error::{Error, Result};
 use crate::solution::Camera;
 
@@ -138,6 +139,8 @@ pub struct Scene {
     pub material_places: Vec<String>,
     /// Cameras the file holds, in its order.
     pub cameras: Vec<View>,
+    /// Effects that were switched by hand ([`Switches::apply`]).
+    pub effects: Switches,
     /// What was odd on reading, in words for the user.
     pub warnings: Vec<String>,
 }

@@ -2,6 +2,7 @@
 //! bakes of one seed (no timings, no goal, no adapter, no path).
 
 use super::{Solution, check, sections};
+use crate::effects::Switches;
 use crate::error::Result;
 use crate::layout::{Node, NodeLight};
 use crate::network::nodes::{surface_of, worth_marking};
@@ -23,6 +24,9 @@ struct Header {
     flatland: Option<f64>,
     materials: Vec<MaterialEntry>,
     objects: Vec<String>,
+    /// Effects that were switched by hand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    effects: Option<String>,
     params: Params,
     /// How the scene was prepared: triangles, planar pieces and tiles, to tell a version that does it otherwise.
     prepared: [u32; 3],
@@ -64,6 +68,7 @@ impl Solution {
                 .map(|m| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission })
                 .collect(),
             objects: self.scene.objects.clone(),
+            effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
             params: self.params.clone(),
             prepared: prepared(&self.geometry),
             report,
@@ -108,6 +113,7 @@ impl Solution {
                 .map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission })
                 .collect(),
             objects: header.objects,
+            effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
             ..Scene::default()
         };
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {

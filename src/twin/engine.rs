@@ -20,6 +20,7 @@ pub struct TwinEngine<'a> {
     light: Vec<NodeLight>,
     system: System,
     shadow_rays: u64,
+    band_bytes: u64,
 }
 
 /// Points in host memory, with what the passes have found about them.
@@ -36,7 +37,14 @@ pub struct TwinBatch {
 impl<'a> TwinEngine<'a> {
     /// A machine for one prepared scene.
     pub fn new(geometry: &'a Geometry) -> TwinEngine<'a> {
-        TwinEngine { geometry, surface: Surface::default(), light: Vec::new(), system: System::default(), shadow_rays: 0 }
+        TwinEngine {
+            geometry,
+            surface: Surface::default(),
+            light: Vec::new(),
+            system: System::default(),
+            shadow_rays: 0,
+            band_bytes: 0,
+        }
     }
 }
 
@@ -215,6 +223,9 @@ impl Engine for TwinEngine<'_> {
     }
 
     fn jacobi(&mut self, light: &[NodeLight], sweeps: u32) -> Result<Vec<NodeLight>> {
+        // Always in three bands: what is sent and what is found of cells and nodes.
+        let bytes = 2 * size_of_val(&self.system.source[..]) + 2 * size_of_val(&self.system.node_source[..]);
+        self.band_bytes += u64::from(sweeps) * bytes as u64;
         Ok(super::jacobi::jacobi(&self.system, &self.geometry.materials, light, sweeps))
     }
 
@@ -247,6 +258,10 @@ impl Engine for TwinEngine<'_> {
 
     fn shadow_rays(&self) -> u64 {
         self.shadow_rays
+    }
+
+    fn band_bytes(&self) -> u64 {
+        self.band_bytes
     }
 
     fn device_bytes(&self) -> u64 {

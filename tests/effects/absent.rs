@@ -113,3 +113,78 @@ fn a_scene_is_explained() {
     let of = |name: &str| effects.iter().find(|e| e["name"] == name).unwrap();
     assert!(of("occlusion")["on"] == true && of("colour")["on"] == true && of("flatland")["on"] == false);
 }
+
+#[test]
+fn a_grey_scene_solves_one_band() {
+    let Some(backend) = backend() else { return };
+    let scene = |tint: f64| {
+        let block = shapes::block([0.3, 0.5, 0.5], [0.7, 1.0, 1.0], 0);
+        let room = [shapes::room([0.0; 3], [1.0, 2.0, 3.0], [0, 0, 0, 1, 0, 0]), block].concat();
+        let materials = vec![Material::new("wall", [0.5, 0.5, 0.5 + tint], [0.0; 3]), Material::new("lamp", [0.2; 3], [3.0; 3])];
+        Scene::from_triangles("room", &room, materials).unwrap()
+    };
+    // A tint that 64 bits tell from grey and that changes nothing to speak of.
+    let (grey, tinted) = (solve(&backend, &scene(0.0), &few()), solve(&backend, &scene(1e-6), &few()));
+    let bytes = |s: &Solution| s.report().extra["solve_band_bytes"].as_f64().unwrap();
+    let sweeps = |s: &Solution| s.report().solver.sweeps;
+    assert_eq!(sweeps(&grey), sweeps(&tinted));
+    let share = bytes(&grey) / bytes(&tinted);
+    assert!(share <= 1.0 / 3.0, "a grey scene moves {share} of the bytes of bands");
+    assert!(grey.light().iter().all(|l| l.h == [l.h[0]; 3]));
+}
+
+/// What a program of words says of a scene, with effects switched.
+fn switched(words: &str) -> (Solution, String) {
+    let mut scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
+    words.parse::<raycell::effects::Switches>().unwrap().apply(&mut scene).unwrap();
+    let solution = solve(&Backend::Cpu, &scene, &Params { rays: 1_024, ..Params::default() });
+    let told = solution.report().warnings.join("; ");
+    (solution, told)
+}
+
+#[test]
+fn effects_are_switched_by_hand() {
+    let points = crate::common::truth("cornell").points;
+    let mean = |s: &Solution| {
+        let shown = s.query(&Backend::Cpu, &points).unwrap();
+        let sums = shown.iter().map(|p| p.b.iter().sum::<f64>() / 3.0);
+        sums.sum::<f64>() / shown.len() as f64
+    };
+    let (all, quiet) = switched("auto");
+    assert!(!quiet.contains("effects:"), "{quiet}");
+    // Without reflections less light, without shadows more; each says that it changed the light.
+    let (direct, told) = switched("-interreflection");
+    assert!(told.contains("interreflection is off because it was asked off"), "{told}");
+    assert_eq!(direct.report().rays, 0);
+    let (open, told) = switched("-occlusion");
+    assert!(told.contains("occlusion is off because"), "{told}");
+    assert_eq!(open.report().extra["shadow_rays"], 0);
+    let (all_mean, direct_mean, open_mean) = (mean(&all), mean(&direct), mean(&open));
+    assert!(direct_mean < 0.9 * all_mean && open_mean > 1.02 * all_mean, "{direct_mean} {all_mean} {open_mean}");
+    // A colour is left out of all bands alike, and the file knows.
+    let (grey, _) = switched("-colour");
+    let dir = tempfile::tempdir().unwrap();
+    grey.save(&dir.path().join("s.rcell")).unwrap();
+    let back = Solution::load(&dir.path().join("s.rcell")).unwrap();
+    assert_eq!(back.scene().effects.to_string(), "-colour");
+    assert!(back.light().iter().all(|l| l.h == [l.h[0]; 3]));
+    let mut scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
+    for (words, part) in
+        [("-direct", "change the scene"), ("+medium", "nothing to switch on"), ("+flatland", "nothing to switch on")]
+    {
+        let told = words.parse::<raycell::effects::Switches>().unwrap().apply(&mut scene).unwrap_err().to_string();
+        assert!(told.contains(part), "{words}: {told}");
+    }
+}
+
+#[test]
+fn small_effects_are_left_out_with_a_word() {
+    let mut scene = Scene::load(root("scenes/cornell/scene.obj")).unwrap();
+    raycell::effects::drop_below(&mut scene, 1e-4).unwrap();
+    assert_eq!(scene.effects, Default::default());
+    // Cornell's shadows are a few percent of its lines of sight; its reflections bring more than a tenth.
+    raycell::effects::drop_below(&mut scene, 0.9).unwrap();
+    let told = scene.warnings.join("; ");
+    assert!(told.contains("occlusion is left out, as its part of the light, about"), "{told}");
+    assert!(raycell::effects::drop_below(&mut scene, 1.0).is_err());
+}

@@ -4,7 +4,7 @@ use crate::common::{gpu, impossible, known, open, root};
 use glam::DVec3;
 use raycell::gpu::kernel::WORKGROUP;
 use raycell::gpu::sentinel::{self, Counts};
-use raycell::gpu::wgsl::{self, KERNELS};
+use raycell::gpu::wgsl::{self, KERNELS, Text};
 use raycell::gpu::{Access, Gpu, HEAVY, Kernel, LIGHT, device};
 use raycell::layout::{DirectSum, Point, Tile, kind};
 use raycell::network::tiles;
@@ -258,7 +258,7 @@ fn h08_a_device_lost_between_stages_is_an_error_and_a_new_one_gives_the_same_bit
 fn h09_a_pipeline_that_fails_is_an_error() {
     for (kernel, _) in KERNELS {
         for paged in [false, true] {
-            let module = naga::front::wgsl::parse_str(&wgsl::compose(kernel, paged).source).unwrap();
+            let module = naga::front::wgsl::parse_str(&wgsl::compose(kernel, Text { paged, grey: false }).source).unwrap();
             let mut layouter = naga::proc::Layouter::default();
             layouter.update(module.to_ctx()).unwrap();
             let locals = module.functions.iter().map(|f| f.1).chain(module.entry_points.iter().map(|e| &e.function));
@@ -287,7 +287,7 @@ fn h10_what_is_no_number_is_detected() {
     assert_eq!(back.iter().filter(|x| !x.is_finite()).count(), 4);
     // No kernel asks `x != x`, which may be false for NaN.
     for (kernel, _) in KERNELS {
-        let text = wgsl::compose(kernel, false).source;
+        let text = wgsl::compose(kernel, Text::default()).source;
         let code = text.lines().map(|l| l.split("//").next().unwrap_or_default());
         for line in code.filter(|l| l.contains("!=")) {
             let side = |s: &str| s.trim_matches(|c: char| !c.is_alphanumeric() && c != '_' && c != '.').to_string();
@@ -449,7 +449,7 @@ fn h15_every_variant_compiles() {
     let variants = pass::variants();
     assert!(variants.len() > 2 * KERNELS.len() - 10, "{}", variants.len());
     for kernel in &variants {
-        gpu.pipeline(kernel).unwrap_or_else(|e| panic!("{} {:?} {}: {e}", kernel.name, kernel.constants, kernel.paged));
+        gpu.pipeline(kernel).unwrap_or_else(|e| panic!("{} {:?} {:?}: {e}", kernel.name, kernel.constants, kernel.text));
     }
     let names: std::collections::BTreeSet<&str> = variants.iter().map(|k| k.name).collect();
     assert_eq!(names.len(), KERNELS.len());

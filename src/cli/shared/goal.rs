@@ -34,8 +34,6 @@ pub enum Quality {
 impl Flags {
     /// The goal, where there is one. Errors: [`Error::InvalidParam`].
     pub fn goal(&self) -> Result<Option<Goal>> {
-        let percent =
-            |text: &String| number("target-error", text, &[("%", 0.01), ("", 0.01)], [1e-4, 1.0], "give 0.01 to 100 percent");
         let seconds = |text: &String| {
             let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("min", 60.0), ("h", 3600.0), ("", 1.0)];
             number("time-budget", text, &units, [0.1, 1e6], "give seconds, as 90, 90s, 1.5m or 2h, from 0.1 s to a million")
@@ -45,10 +43,15 @@ impl Flags {
             Quality::Normal => 0.03,
             Quality::Final => 0.01,
         });
-        let error = self.target_error.as_ref().map(percent).transpose()?.or(named);
+        let error = self.target_error.as_ref().map(|text| percent("target-error", text)).transpose()?.or(named);
         let budget = self.time_budget.as_ref().map(seconds).transpose()?.map(Duration::from_secs_f64);
         Ok((error.is_some() || budget.is_some()).then_some(Goal { error, budget }))
     }
+}
+
+/// A share in percent. Errors: [`Error::InvalidParam`].
+pub fn percent(name: &'static str, text: &str) -> Result<f64> {
+    number(name, text, &[("%", 0.01), ("", 0.01)], [1e-4, 1.0], "give 0.01 to 100 percent")
 }
 
 /// A number with a unit.

@@ -1,7 +1,9 @@
 //! How a scene file is read: flags, and the scene they make.
 
 use super::super::log::Log;
+use super::goal;
 use super::interrupt::heed;
+use crate::effects::{Switches, drop_below};
 use crate::error::{Error, Result};
 use crate::progress::Event;
 use crate::scene::{self, KdSpace, LoadOptions, Scene};
@@ -26,6 +28,12 @@ pub struct Reading {
     /// Light both sides of every surface; emitters shine from both.
     #[arg(long)]
     pub two_sided: bool,
+    /// Effects to switch by hand, +name or -name with commas; `raycell explain` lists them.
+    #[arg(long, value_name = "auto|LIST", default_value = "auto", allow_hyphen_values = true)]
+    pub effects: String,
+    /// Leave out effects that bring less than this part of the light, in percent, and say so.
+    #[arg(long, value_name = "PCT")]
+    pub effects_threshold: Option<String>,
     /// Refuse the scene where reading it would be worth a warning.
     #[arg(long)]
     pub strict: bool,
@@ -63,7 +71,17 @@ pub fn options(flags: &Reading) -> LoadOptions {
 /// The scene of a file, read with a bar.
 pub fn load(path: &Path, flags: &Reading, log: &mut Log, stop: &AtomicBool) -> Result<Scene> {
     log.event(&Event::Stage { name: "load" });
-    Scene::load_from(path, &options(flags), &mut |path| std::fs::read(path), &mut |event| heed(log, stop, event))
+    let scene = Scene::load_from(path, &options(flags), &mut |path| std::fs::read(path), &mut |event| heed(log, stop, event))?;
+    switched(scene, flags)
+}
+
+/// The scene with the effects that the flags ask for.
+pub fn switched(mut scene: Scene, flags: &Reading) -> Result<Scene> {
+    flags.effects.parse::<Switches>()?.apply(&mut scene)?;
+    if let Some(threshold) = &flags.effects_threshold {
+        drop_below(&mut scene, goal::percent("--effects-threshold", threshold)?)?;
+    }
+    Ok(scene)
 }
 
 /// The camera to render with: that of the flags, else one of the scene's; none where there is none.
