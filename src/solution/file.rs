@@ -9,7 +9,7 @@ use crate::network::nodes::{surface_of, worth_marking};
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{EstimatedError, RelitReport, Report, Seconds};
 use crate::params::{Mode, Params};
-use crate::scene::{Face, Geometry, Material, Scene, Space};
+use crate::scene::{Environment, Face, Geometry, Light, Material, Scene, SkyMap, Space};
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -27,6 +27,10 @@ struct Header {
     /// Effects that were switched by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     effects: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    lights: Vec<Light>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    environment: Option<EnvironmentEntry>,
     params: Params,
     /// How the scene was prepared: triangles, planar pieces and tiles, to tell a version that does it otherwise.
     prepared: [u32; 3],
@@ -61,6 +65,15 @@ impl MaterialEntry {
     }
 }
 
+#[derive(Serialize, Deserialize)]
+struct EnvironmentEntry {
+    radiance: [f64; 3],
+    rotation: f64,
+    /// Width and height of the map in section 'sky'.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    map: Option<[u32; 2]>,
+}
+
 /// What the header says it holds.
 const CONTENT: &str = "solution";
 
@@ -89,6 +102,12 @@ impl Solution {
             materials: MaterialEntry::all(&self.scene.materials),
             objects: self.scene.objects.clone(),
             effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
+            lights: self.scene.lights.clone(),
+            environment: self.scene.environment.as_ref().map(|e| EnvironmentEntry {
+                radiance: e.radiance,
+                rotation: e.rotation,
+                map: e.map.as_ref().map(|m| [m.width, m.height]),
+            }),
             params: self.params.clone(),
             prepared: prepared(&self.geometry),
             report,
@@ -108,7 +127,9 @@ impl Solution {
             Section::new("cells", &self.cells),
         ];
         let baked = self.baked.as_ref().map(|b| Section::new("baked_light", &b.light));
-        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system), baked.as_slice()].concat())
+        let map = self.scene.environment.as_ref().and_then(|e| e.map.as_ref()).map(|m| Section::new("sky", &m.rgb));
+        let more = [baked.as_slice(), map.as_slice()].concat();
+        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system), &more].concat())
     }
 
     /// Reads a solution that [`Solution::save`] has written, checking all of it.
@@ -130,6 +151,13 @@ impl Solution {
 
         // The scene, prepared as it was for the bake.
         let faces: Vec<[u32; 5]> = file.get("faces")?;
+        let environment = match header.environment {
+            None => None,
+            Some(e) => {
+                let map = e.map.map(|[width, height]| Ok(SkyMap { width, height, rgb: file.get("sky")? })).transpose()?;
+                Some(Environment { radiance: e.radiance, map, rotation: e.rotation })
+            }
+        };
         let scene = Scene {
             name: header.name,
             space: header.flatland.map_or(Space::Solid, |height| Space::Flatland { height }),
@@ -138,6 +166,8 @@ impl Solution {
             materials: MaterialEntry::read(header.materials),
             objects: header.objects,
             effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
+            lights: header.lights,
+            environment,
             ..Scene::default()
         };
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {
