@@ -116,6 +116,16 @@ pub enum Error {
         /// What to do.
         cure: &'static str,
     },
+    /// A mirror that reflects all, or shines.
+    #[error("{place}: material '{material}': {what}; give a mirror a reflectance below 1 and no emission")]
+    InvalidMirror {
+        /// File and line, or the scene's name.
+        place: String,
+        /// The material's name.
+        material: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A parameter outside its range.
     #[error("{name} = {value} is out of range: {range}")]
     InvalidParam {

@@ -22,6 +22,9 @@ pub(crate) struct Key {
     /// Digest of the sky and of lights without a surface; none where there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     lights: Option<String>,
+    /// What the medium absorbs, 1/m.
+    #[serde(default)]
+    absorption: f64,
     /// Adapter and driver, or cpu: another one rounds otherwise.
     device: String,
     params: Params,
@@ -47,6 +50,7 @@ impl Key {
             effects: if scene.effects == Switches::default() { String::new() } else { scene.effects.to_string() },
             lights: (geometry.is_surfaceless())
                 .then(|| digest(&[bytes(&geometry.sky.texels), bytes(&geometry.lights.all), bytes(&[geometry.lights.suns])])),
+            absorption: scene.absorption,
             device,
             params: params.clone(),
         }
@@ -81,7 +85,11 @@ impl Key {
             return changed("--effects", &words(&self.effects), &words(&now.effects));
         }
         if self.triangles != now.triangles {
-            return Some("the scene's triangles or its objects' names have changed".into());
+            return Some("the scene's triangles, mirrors or its objects' names have changed".into());
+        }
+        if self.absorption != now.absorption {
+            let per_metre = |x: f64| format!("{x} /m");
+            return changed("the medium's absorption", &per_metre(self.absorption), &per_metre(now.absorption));
         }
         let words = |p: &Params| serde_json::to_value(p).unwrap_or_default();
         let (then, params) = (words(&self.params), words(&now.params));

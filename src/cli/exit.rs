@@ -68,6 +68,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),
         Error::InvalidLight { .. } => ("invalid_light", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
+        Error::InvalidMirror { .. } => ("invalid_mirror", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
         Error::UnknownName { .. } => ("unknown_name", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),

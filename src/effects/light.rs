@@ -3,13 +3,13 @@
 use crate::layout::kind;
 use crate::network::tiles;
 use crate::scene::Geometry;
-use crate::twin::direct::{Samples, from_emitter, round};
-use crate::twin::emit::first_hit;
 use crate::twin::lights::{from_lights, surfaceless};
+use crate::twin::direct::{Samples, from_emitter, from_way, round};
 use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
 use crate::twin::sky::from_sky;
 use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_on, position, segment_blocked};
+use crate::twin::way::follow;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -37,6 +37,10 @@ pub(crate) struct Look {
     pub sky: f64,
     /// See `sky`.
     pub lights: f64,
+    /// Share of the rays from surfaces that meet a mirror.
+    pub over_mirrors: f64,
+    /// Share of their light that the medium takes on the way.
+    pub in_medium: f64,
     /// Reflections after which less than a thousandth of the arriving light is still to come.
     pub bounces: usize,
 }
@@ -47,6 +51,8 @@ struct Path {
     line: Option<bool>,
     /// What of the light that arrives straight comes from the sky and from lights without a surface.
     surfaceless: [f32; 2],
+    /// Whether its first ray meets a mirror, and what the medium takes on that ray's way.
+    way: (bool, f32),
     /// Light that arrives after so many reflections, mean over the bands.
     light: [f32; BOUNCES + 1],
 }
@@ -67,7 +73,14 @@ impl Look {
         let sum = |n: usize| paths.iter().map(|p| f64::from(p.light[n])).sum::<f64>();
         let by_bounce: Vec<f64> = (0..=BOUNCES).map(sum).collect();
         let all: f64 = by_bounce.iter().sum();
-        let seen = Look { blocked: f64::from(blocked) / f64::from(count.max(1)), lines: count, ..Look::default() };
+        let share = |of: &dyn Fn(&Path) -> f64| paths.iter().map(of).sum::<f64>() / paths.len() as f64;
+        let seen = Look {
+            blocked: f64::from(blocked) / f64::from(count.max(1)),
+            lines: count,
+            over_mirrors: share(&|p| f64::from(u8::from(p.way.0))),
+            in_medium: share(&|p| p.way.1.into()),
+            ..Look::default()
+        };
         if all <= 0.0 {
             return seen;
         }
@@ -96,16 +109,21 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
         surfaceless[1] = mean(from_lights(geometry, tri, p, seed_of(SEED, i), 0, END));
     }
     let mut through = Vec3::ONE;
+    let mut first = (false, 0.0);
     for (n, arrived) in light.iter_mut().enumerate().skip(1) {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32));
         let direction =
             cosine_direction(geometry.flatland, Vec3::from(geometry.tris[tri as usize].normal), unit(u[0]), unit(u[1]));
-        let (met, hit) = first_hit(geometry, tri, p, direction);
-        if met != kind::FRONT {
+        let way = follow(geometry, tri, p, direction);
+        let hit = way.hit;
+        if n == 1 {
+            first = (way.mirrors > 0, 1.0 - way.share - way.mirrored);
+        }
+        if way.kind != kind::FRONT {
             break;
         }
         let there = &geometry.tris[hit.tri as usize];
-        through *= Vec3::from(geometry.materials[there.material as usize].rho);
+        through *= Vec3::from(geometry.materials[there.material as usize].rho) * way.share;
         if through == Vec3::ZERO {
             break;
         }
@@ -113,7 +131,7 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32 + 1));
         *arrived = mean(through * direct(geometry, tri, p, u));
     }
-    Path { line, surfaceless, light }
+    Path { line, surfaceless, way: first, light }
 }
 
 /// Direct light at a path's later ends: one sample of the emitters, and one direction.
@@ -126,9 +144,9 @@ fn direct(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Vec3 {
         return light;
     }
     light += from_emitter(geometry, tri, p, u[0], u[1], one);
-    let (met, hit) = first_hit(geometry, tri, p, direction);
-    if met == kind::FRONT {
-        light += crate::twin::direct::from_direction(geometry, n, direction, &hit, one);
+    let way = follow(geometry, tri, p, direction);
+    if way.kind == kind::FRONT {
+        light += from_way(geometry, n, &way, one);
     }
     light
 }

@@ -9,6 +9,7 @@ mod lights;
 mod names;
 mod occlusion;
 mod switches;
+mod way;
 
 pub use names::Name;
 pub use switches::{Switches, drop_below};
@@ -44,9 +45,9 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
             Name::Textures => unread(scene, name, &["map_Kd", "map_Ke", "texture"]),
             Name::Environment => lights::environment(scene, geometry, &look),
             Name::Lights => lights::lights(scene, geometry, &look),
-            Name::Mirrors => unread(scene, name, &["Ks", "Ns", "illum", "metallic", "roughness"]),
+            Name::Mirrors => way::mirrors(scene, geometry, &look),
             Name::Transparency => unread(scene, name, &["map_d", "Tr", "Tf", "Ni", "alphaMode", "transmission"]),
-            Name::Medium => unread(scene, name, &["medium", "fog"]),
+            Name::Medium => way::medium(scene, geometry, &look),
         })
         .collect()
 }

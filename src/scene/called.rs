@@ -1,11 +1,11 @@
 //! What a scene calls for, as far as kernels are compiled for it.
 
+use super::geometry::frame;
+use super::{Face, Geometry, Obstacle, Scene, obstacle};
 use crate::effects::Name;
 
-use super::{Geometry, Obstacle, Scene, obstacle};
-
 /// Effects of which kernels have code of their own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Called {
     /// The scene lies in flatland.
     pub flatland: bool,
@@ -19,6 +19,10 @@ pub struct Called {
     pub environment_map: bool,
     /// There are lights without a surface.
     pub lights: bool,
+    /// There are ideal mirrors.
+    pub mirrors: bool,
+    /// What a medium absorbs on a local length; 0: there is none.
+    pub sigma: f32,
 }
 
 /// Whether the bands are one.
@@ -32,6 +36,8 @@ impl Called {
     pub(crate) fn by_scene(scene: &Scene) -> Called {
         let around = scene.environment.as_ref();
         let map = around.and_then(|e| e.map.as_ref());
+        let mirror = |face: &Face| scene.materials.get(face.material as usize).is_some_and(|m| m.mirror > 0.0);
+        let scale = if scene.absorption > 0.0 { frame(scene).map_or(1.0, |(_, scale)| scale) } else { 1.0 };
         Called {
             flatland: scene.is_flatland(),
             occlusion: scene.effects.asked(Name::Occlusion).unwrap_or_else(|| obstacle(scene) != Obstacle::None),
@@ -42,6 +48,8 @@ impl Called {
             environment: around.is_some(),
             environment_map: map.is_some(),
             lights: !scene.lights.is_empty(),
+            mirrors: scene.faces.iter().any(mirror),
+            sigma: (scene.absorption / scale) as f32,
         }
     }
 
@@ -56,6 +64,13 @@ impl Called {
             environment: !geometry.sky.is_empty(),
             environment_map: geometry.sky.is_mapped(),
             lights: !geometry.lights.is_empty(),
+            mirrors: geometry.mirrors,
+            sigma: geometry.sigma,
         }
+    }
+
+    /// Whether light is lost on its way.
+    pub fn is_lossy(&self) -> bool {
+        self.mirrors || self.sigma > 0.0
     }
 }

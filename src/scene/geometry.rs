@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use crate::network::groups::{self, Groups};
-use crate::params::{Direct, Norm, Params};
+use crate::params::{Direct, Method, Mode, Norm, Params};
 use crate::twin::direct::near2;
 use glam::Vec3;
 use std::collections::hash_map::Entry;
@@ -36,6 +36,10 @@ pub struct Geometry {
     pub occludes: bool,
     /// Whether light that surfaces reflect is followed; not where that was asked off.
     pub interreflects: bool,
+    /// Whether the scene has mirrors, which rays follow: their triangles tell of it ([`Tri::mirror`]).
+    pub mirrors: bool,
+    /// What the medium absorbs on a local length; 0: no medium.
+    pub sigma: f32,
     /// Share of the light that arrives ([`crate::params::Norm`]); the reflectances in `materials` are multiplied by
     /// it, so that no pass need know.
     pub arrives: f64,
@@ -124,11 +128,34 @@ fn is_thin(corners: [[f64; 3]; 3], double_area: f64) -> bool {
     double_area <= longest * 1e-9
 }
 
+/// Centre of the faces that have an area, and the power of two that brings half the longest side of their box into
+/// (0.5, 1], in f64; none where there are none.
+pub(super) fn frame(scene: &Scene) -> Option<([f64; 3], f64)> {
+    let flatland = scene.is_flatland();
+    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
+    for i in 0..scene.faces.len() {
+        let corners = scene.corners(i);
+        let normal = double_normal(flatland, corners);
+        if is_thin(corners, dot(normal, normal).sqrt()) {
+            continue;
+        }
+        for v in corners {
+            for k in 0..3 {
+                low[k] = low[k].min(v[k]);
+                high[k] = high[k].max(v[k]);
+            }
+        }
+    }
+    let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
+    let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
+    (half > 0.0 && half.is_finite()).then(|| (center, power_of_two_for(half)))
+}
+
 impl Geometry {
     /// As [`Geometry::new`], for a bake with these parameters.
     ///
-    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have, and for light without a surface that
-    /// would have to go through the network.
+    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have, for light without a surface that
+    /// would have to go through the network, and for a method or mode that knows no mirrors where there are some.
     pub fn for_bake(scene: &Scene, params: &Params) -> Result<Geometry> {
         let mut geometry = Geometry::new(scene)?;
         if params.norm == Norm::Paper1997 && !geometry.flatland {
@@ -138,6 +165,14 @@ impl Geometry {
         if params.direct == Direct::Network && geometry.is_surfaceless() {
             let range = "lights without a surface, and the sky, are no end of a ray that the network could learn: bake with --direct exact";
             return Err(Error::InvalidParam { name: "direct", value: "network".into(), range });
+        }
+        let patches = matches!(params.method, Method::Fem | Method::Hierarchical);
+        if geometry.mirrors && (patches || params.mode == Mode::Paper) {
+            let range = "it knows no mirrors: evaluations of a kernel between two points find no way over one; bake with --method \
+                         network or rays in --mode flux, or make the mirrors diffuse";
+            let (name, value) =
+                if patches { ("method", format!("{:?}", params.method)) } else { ("mode", format!("{:?}", params.mode)) };
+            return Err(Error::InvalidParam { name, value: value.to_lowercase(), range });
         }
         geometry.arrives = params.norm.share();
         if params.norm != Norm::Lambert {
@@ -155,28 +190,8 @@ impl Geometry {
         scene.check()?;
         let empty = || Error::EmptyScene { scene: scene.name.clone() };
 
-        // Bound the faces that have an area, recentre, and scale by a power of two, all in f64.
         let flatland = scene.is_flatland();
-        let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-        for i in 0..scene.faces.len() {
-            let corners = scene.corners(i);
-            let normal = double_normal(flatland, corners);
-            if is_thin(corners, dot(normal, normal).sqrt()) {
-                continue;
-            }
-            for v in corners {
-                for k in 0..3 {
-                    low[k] = low[k].min(v[k]);
-                    high[k] = high[k].max(v[k]);
-                }
-            }
-        }
-        let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
-        let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
-        if half <= 0.0 || !half.is_finite() {
-            return Err(empty());
-        }
-        let scale = power_of_two_for(half);
+        let (center, scale) = frame(scene).ok_or_else(empty)?;
         let local = |v: &[f64; 3]| [0, 1, 2].map(|k| (v[k] - center[k]) * scale);
         let locals: Vec<[f32; 3]> = scene.vertices.iter().map(|v| local(v).map(|x| x as f32)).collect();
         let places = places(&locals);
@@ -226,7 +241,7 @@ impl Geometry {
             .materials
             .iter()
             .map(|m| Material {
-                rho: m.reflectance.map(|x| x as f32),
+                rho: if m.mirror > 0.0 { [0.0; 3] } else { m.reflectance.map(|x| x as f32) },
                 emit: m.emission.map(|x| (x * std::f64::consts::PI * emission_scale) as f32),
                 ..Material::default()
             })
@@ -250,6 +265,8 @@ impl Geometry {
         for &i in &order {
             let Kept { face, corners, normal, area: tri_area, .. } = kept[i];
             let material = material_of(i);
+            // Below what 32-bit floats hold with all digits a mirror is black.
+            let mirror = Some(scene.materials[material as usize].mirror as f32).filter(|m| m.is_normal());
             let split = match (live(material), flatland) {
                 (false, _) => 1,
                 (true, false) => ((tri_area / tile_area).sqrt().ceil() as u32).clamp(1, MAX_SPLIT),
@@ -266,7 +283,7 @@ impl Geometry {
                 v2: corners[2],
                 first_tile,
                 normal: normal.map(|x| x as f32),
-                split,
+                split: mirror.map_or(split, f32::to_bits),
             });
             source.push(face);
             areas.push(tri_area);
@@ -297,6 +314,8 @@ impl Geometry {
             flatland,
             occludes: scene.effects.asked(Name::Occlusion).unwrap_or_else(|| obstacle(scene) != Obstacle::None),
             interreflects: scene.effects.asked(Name::Interreflection).unwrap_or(true),
+            mirrors: tris.iter().any(|t| t.mirror() > 0.0),
+            sigma: (scene.absorption / scale) as f32,
             arrives: 1.0,
             center,
             scale,
@@ -326,7 +345,7 @@ impl Geometry {
     /// Area of a tile, local.
     pub fn tile_area(&self, tile: usize) -> f64 {
         let t = self.tile_tri[tile] as usize;
-        let split = self.tris[t].split as f64;
+        let split = self.tris[t].cuts() as f64;
         self.areas[t] / if self.flatland { split } else { split.powi(2) }
     }
 
@@ -352,7 +371,17 @@ impl Geometry {
         !self.emitters.is_empty() || self.is_surfaceless()
     }
 
-    /// Whether anything reflects light, and there is some: where not, all light is direct.
+    /// Whether light is lost on its way: at mirrors, or to the medium. A ray's points then hold what of it arrives.
+    pub fn is_lossy(&self) -> bool {
+        self.mirrors || self.sigma > 0.0
+    }
+
+    /// The share of what a shot ray's end sends that arrives at its start.
+    pub fn arriving(&self, hit: &Point) -> f64 {
+        if self.is_lossy() { hit.density.into() } else { 1.0 }
+    }
+
+    /// Whether anything reflects light diffusely, and there is some: where not, all light is direct.
     pub fn reflects(&self) -> bool {
         let rho = |t: usize| self.material_of(t).rho;
         self.interreflects && self.shines() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])

@@ -22,6 +22,9 @@ struct Header {
     /// In flatland: how high its walls are drawn, metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     flatland: Option<f64>,
+    /// What the medium absorbs, 1/m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    absorption: f64,
     materials: Vec<MaterialEntry>,
     objects: Vec<String>,
     /// Effects that were switched by hand.
@@ -52,16 +55,29 @@ struct MaterialEntry {
     name: String,
     reflectance: [f64; 3],
     emission: [f64; 3],
+    #[serde(default, skip_serializing_if = "is_zero")]
+    mirror: f64,
+}
+
+/// What is not there is not written.
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 impl MaterialEntry {
     fn all(materials: &[Material]) -> Vec<MaterialEntry> {
-        let entry = |m: &Material| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission };
+        let entry = |m: &Material| MaterialEntry {
+            name: m.name.clone(),
+            reflectance: m.reflectance,
+            emission: m.emission,
+            mirror: m.mirror,
+        };
         materials.iter().map(entry).collect()
     }
 
     fn read(all: Vec<MaterialEntry>) -> Vec<Material> {
-        all.into_iter().map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission }).collect()
+        let read = |m: MaterialEntry| Material { mirror: m.mirror, ..Material::new(&m.name, m.reflectance, m.emission) };
+        all.into_iter().map(read).collect()
     }
 }
 
@@ -99,6 +115,7 @@ impl Solution {
                 Space::Solid => None,
                 Space::Flatland { height } => Some(height),
             },
+            absorption: self.scene.absorption,
             materials: MaterialEntry::all(&self.scene.materials),
             objects: self.scene.objects.clone(),
             effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
@@ -168,6 +185,7 @@ impl Solution {
             effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
             lights: header.lights,
             environment,
+            absorption: header.absorption,
             ..Scene::default()
         };
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {

@@ -28,10 +28,13 @@ pub fn deposit(
         }
         let material = geometry.material_at(&points[d ^ 1]);
         let h = light.get(d ^ 1).map_or(Vec3::ZERO, |h| Vec3::from_slice(&h[..3]));
-        let sent = match direct {
+        let mut sent = match direct {
             Some(direct) => Vec3::from(material.rho) * (Vec3::from(direct[d ^ 1].mean()) + h),
             None => Vec3::from(material.rho) * h + Vec3::from(material.emit),
         };
+        if geometry.is_lossy() {
+            sent *= points[d | 1].density;
+        }
         for k in 0..4 {
             if psi[d].weight[k] > 0.0 {
                 let node = psi[d].node[k] as usize;

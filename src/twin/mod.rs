@@ -20,6 +20,7 @@ pub mod shoot;
 pub mod sky;
 pub mod sobol;
 pub mod trace;
+pub mod way;
 pub mod winner;
 
 pub use engine::TwinEngine;

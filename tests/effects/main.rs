@@ -5,3 +5,5 @@ mod absent;
 mod common;
 mod lights;
 mod sky;
+mod medium;
+mod mirrors;

@@ -22,6 +22,14 @@ pub struct Document {
     #[serde(default)]
     pub light: Vec<Spanned<Light>>,
     pub environment: Option<Spanned<Environment>>,
+    pub medium: Option<Spanned<Medium>>,
+}
+
+/// What fills the scene.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Medium {
+    pub absorption: f64,
 }
 
 /// Another scene file, and where it stands.
@@ -84,6 +92,7 @@ pub enum Side {
 pub struct Material {
     pub name: String,
     pub reflectance: Option<Values>,
+    pub mirror: Option<f64>,
     pub radiance: Option<Values>,
     pub radiosity: Option<Values>,
     pub lumens: Option<f64>,
