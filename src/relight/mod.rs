@@ -176,6 +176,10 @@ pub(crate) fn relight(
 
 /// What all light of the bake is multiplied by, a band each, where that is all that has changed.
 fn factors(scene: &Scene, baked: &Baked) -> Option<[f64; 3]> {
+    if scene.environment.is_some() || !scene.lights.is_empty() {
+        // Their light stays what it is.
+        return None;
+    }
     let mut factors = [None; 3];
     let mut used = vec![false; scene.materials.len()];
     scene.faces.iter().for_each(|f| used[f.material as usize] = true);
@@ -276,6 +280,10 @@ fn scaled_error(stated: &EstimatedError, factor: f64) -> EstimatedError {
 
 /// Where the watts go, as far as that is known: all of it where the bake's light was scaled, else what is emitted.
 fn energy_of(from: &Solution, geometry: &Geometry, factors: Option<[f64; 3]>) -> Energy {
+    if geometry.is_surfaceless() {
+        // What arrives from the sky and from lights without a surface was not looked for.
+        return Energy::default();
+    }
     let emitted = Some(energy::watts(geometry, energy::emitted(geometry)));
     let then = &from.report().energy;
     match (factors, from.baked(), then.emitted, then.absorbed, then.escaped) {
@@ -285,7 +293,8 @@ fn energy_of(from: &Solution, geometry: &Geometry, factors: Option<[f64; 3]>) ->
             let sum = |x: [f64; 3]| x.iter().sum::<f64>();
             let all = emitted.map_or(0.0, sum);
             let imbalance = if all > 0.0 { (all - sum(absorbed) - sum(escaped)) / all } else { 0.0 };
-            Energy { emitted, absorbed: Some(absorbed), escaped: Some(escaped), imbalance: Some(imbalance) }
+            let (absorbed, escaped) = (Some(absorbed), Some(escaped));
+            Energy { emitted, absorbed, escaped, imbalance: Some(imbalance), ..Energy::default() }
         }
         _ => Energy { emitted, ..Energy::default() },
     }

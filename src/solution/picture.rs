@@ -8,9 +8,9 @@ use crate::params::Params;
 use crate::progress::{Event, Flow};
 use crate::scene::{Geometry, Scene};
 use crate::twin::lights;
-use crate::twin::trace::{Ray, barycentric, closest, occluded, surface_point};
+use crate::twin::trace::{Ray, barycentric, occluded, surface_point};
 use crate::twin::way::{Way, along, way_in};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 

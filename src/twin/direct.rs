@@ -6,7 +6,6 @@
 //! hardly ever meet one, and none are shot: n_c is 0, and a sample counts at most [`FAR`] E / n_e. In scenes with mirrors they
 //! always are, as light over mirrors comes from them alone.
 
-use super::emit::first_hit;
 use super::lights::surfaceless;
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
 use super::sobol::sobol4;
