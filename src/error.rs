@@ -158,6 +158,14 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
+    /// A name that no material and no object of a scene bears.
+    #[error("nothing is called '{name}'; there is {known}; correct the name")]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// What there is.
+        known: String,
+    },
     /// The device was lost: the driver reset, or the hardware went away.
     #[error("the GPU was lost in {stage}: {why}; the driver may have reset: try again, another --adapter, or --backend cpu")]
     DeviceLost {

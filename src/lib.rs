@@ -70,6 +70,7 @@ pub mod plot;
 pub mod progress;
 #[doc(hidden)]
 pub mod radiosity;
+pub mod relight;
 pub mod scene;
 pub mod selftest;
 #[doc(hidden)]
@@ -87,6 +88,7 @@ pub use engine::Backend;
 pub use error::{Error, Result};
 pub use params::{Cells, Direct, Method, Mode, Norm, Params, Solver};
 pub use progress::{Event, Flow};
+pub use relight::Change;
 pub use scene::Scene;
 pub use solution::{Answer, Camera, Image, Solution, Status, SurfacePoint};
 pub use wgpu;

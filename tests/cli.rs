@@ -108,16 +108,6 @@ fn bad_companions_are_refused() {
 }
 
 #[test]
-fn promised_flags_and_commands_are_refused_by_name() {
-    let dir = grey();
-    for flag in ["--effects auto", "--effects=none"] {
-        let name = flag.split([' ', '=']).next().unwrap();
-        dir.refuses(&format!("bake s.obj --backend cpu {flag}"), 2, &[&format!("raycell: error: {name} is not built yet; ")]);
-    }
-    dir.refuses("relight x.rcell", 2, &["raycell: error: relight is not built yet; "]);
-}
-
-#[test]
 fn no_device_is_3_and_never_the_twin_in_silence() {
     let dir = grey();
     dir.refuses(
@@ -169,7 +159,7 @@ fn with_json_there_is_one_object_whatever_happens() {
         ("bake s.obj --json --adapter no-such-thing", "no_such_device", 3),
         ("bakee --json", "usage", 2),
         ("bake s.obj --json --effects everything", "invalid_param", 2),
-        ("relight s.rcell --json", "not_built", 2),
+        ("relight s.rcell --json", "read", 2),
     ] {
         let output = dir.run(args);
         let error = &object(&output)["error"];

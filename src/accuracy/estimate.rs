@@ -110,11 +110,12 @@ fn size(rays: u32) -> (u32, u32) {
     ((f64::from(rays) * SHARE) as u32 / (2 * half), half)
 }
 
-/// Estimates the error of a solution; `bright` is what each tile sends, where that is known. Errors: those of the
-/// engine, [`crate::Error::Cancelled`].
+/// Estimates the error of a solution by tests as a bake of `rays` gets; `bright` is what each tile sends, where that is known.
+/// Errors: those of the engine, [`crate::Error::Cancelled`].
 pub(crate) fn estimate<E: Engine>(
     engine: &mut E,
     solution: &Solution,
+    rays: u32,
     bright: &[f64],
     solved: Solved,
     evidence: Evidence,
@@ -124,7 +125,7 @@ pub(crate) fn estimate<E: Engine>(
     let (geometry, params) = (solution.geometry(), solution.params());
     engine.set_surface(solution.surface())?;
     engine.set_light(solution.light())?;
-    let (count, half) = size(params.rays);
+    let (count, half) = size(rays);
     let wanted: Vec<f64> = (0..geometry.tiles as usize).map(|t| bright.get(t).copied().unwrap_or(0.0)).collect();
     let starts = tiles::starts(geometry, &wanted, BRIGHT);
     let places = tiles::drawn(geometry, &starts, stream(params.seed, Stream::TestPoints), count.clamp(POINTS[0], POINTS[1]));

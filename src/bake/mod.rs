@@ -191,8 +191,9 @@ fn whole<E: Engine>(
     let mut solution = saved.assemble(scene, geometry, params, warnings);
     let bright = saved.pilot.as_ref().map_or(&[][..], |p| &p.carried);
     let (solved, evidence) = (saved.network.solved.unwrap_or_default(), saved.network.evidence);
-    let estimate =
-        clock.time(engine, "estimate", |engine| estimate::estimate(engine, &solution, bright, solved, evidence, progress))?;
+    let estimate = clock.time(engine, "estimate", |engine| {
+        estimate::estimate(engine, &solution, params.rays, bright, solved, evidence, progress)
+    })?;
     progress.event(Event::Error { rrmse: estimate.rrmse, low: estimate.low, high: estimate.high })?;
     solution.report_mut().estimated_error = Some(estimate);
     Ok(solution)

@@ -9,24 +9,22 @@ use super::shared::interrupt::{heed, interrupt};
 use super::shared::kept::{self, Kept};
 use super::shared::machine::{Device, Machine};
 use super::shared::network::{self, Network};
-use super::shared::points::off_surface;
+use super::shared::results::{Asked, Shown, Vertices, check_folder};
 use super::shared::scene::{self, Reading};
 use crate::accuracy::{self, Climb};
 use crate::bake_from;
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 use crate::memory;
-use crate::output::mesh::Mesh;
 use crate::output::report::Report;
-use crate::output::{atomic, glb, image, ply, points, report};
+use crate::output::{atomic, points, report};
 use crate::params::{EVERYWHERE, Params};
-use crate::progress::Event;
 use crate::scene::Scene;
-use crate::solution::{self, Answer, Image, Solution, SurfacePoint};
-use clap::{Args, ValueEnum};
-use std::path::{Path, PathBuf};
+use crate::solution::Solution;
+use clap::Args;
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -82,14 +80,6 @@ pub struct Flags {
     pub network: Network,
     #[command(flatten)]
     pub device: Device,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Vertices {
-    /// Radiosity in W/m2, beside colours to look at.
-    Ply,
-    /// Binary glTF with radiance B/pi in COLOR_0, for engines and viewers.
-    Glb,
 }
 
 pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure> {
@@ -153,7 +143,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let worked = climbed
         .map_or(Ok(there), |climbed| climbed.map(Some))
         .and_then(|there| work(&machine, &scene, &params, there, &mut kept.checkpoint, &asked, &mut log, &stop));
-    let Found { mut solution, answers, picture, mesh, readout } = match worked {
+    let (mut solution, shown) = match worked {
         Ok(found) => found,
         Err(error) => {
             log.finish();
@@ -163,33 +153,13 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     log.finish();
 
     let wrote = |name: &str, note: &str| log.line(&format!("wrote {}{note}", dir.join(name).display()));
-    if let (Some(p), Some(a)) = (&points_in, &answers) {
-        points::write(&dir.join("points.csv"), p, a)?;
-        wrote("points.csv", &off_surface(a));
-    }
-    match (flags.vertices, &mesh) {
-        (Some(Vertices::Ply), Some(mesh)) => {
-            ply::write(&dir.join("vertices.ply"), mesh)?;
-            wrote("vertices.ply", "");
-        }
-        (Some(Vertices::Glb), Some(mesh)) => {
-            glb::write(&dir.join("vertices.glb"), mesh)?;
-            wrote("vertices.glb", " (linear radiance in COLOR_0)");
-        }
-        _ => {}
-    }
-    if let Some(picture) = &picture {
-        image::write(&dir.join("picture.exr"), picture, None)?;
-        wrote("picture.exr", " (linear radiance)");
-        let tone = image::write(&dir.join("picture.png"), picture, flags.camera.exposure)?;
-        wrote("picture.png", &tone.map_or(String::new(), |t| format!(" ({t})")));
-    }
+    shown.write(dir, points_in.as_deref(), flags.vertices, flags.camera.exposure, &log)?;
     if baked {
         solution.save(&dir.join("solution.rcell"))?;
         wrote("solution.rcell", "");
         let report = solution.report_mut();
         fill(report);
-        report.seconds.readout = Some(readout.as_secs_f64());
+        report.seconds.readout = Some(shown.readout.as_secs_f64());
         if report.target.as_ref().is_some_and(|target| target.rungs.is_empty()) {
             // Nothing was baked: what the bake took was told then.
             kept::recall(report, dir);
@@ -206,59 +176,6 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     Ok(Done { code, ..Done::new(serde_json::to_value(solution.report()).unwrap_or_default()) })
 }
 
-/// What is read out of a bake.
-struct Asked<'a> {
-    points: Option<&'a [SurfacePoint]>,
-    camera: Option<solution::Camera>,
-    vertices: bool,
-}
-
-/// Points, and pixels a side, that tell how long all of them take.
-const SAMPLE: usize = 128;
-
-impl Asked<'_> {
-    /// How long the read-out of such a solution takes, from a sample of it.
-    fn cost(&self, machine: &Machine, solution: &Solution) -> Result<Duration> {
-        let mut seconds = 0.0;
-        let mut timed = |all: f64, of: f64, work: &mut dyn FnMut() -> Result<()>| {
-            let start = Instant::now();
-            let done = work();
-            seconds += start.elapsed().as_secs_f64() * (all / of).max(1.0);
-            done
-        };
-        if let Some(points) = self.points.filter(|p| !p.is_empty()) {
-            let some: Vec<SurfacePoint> = points.iter().step_by(points.len().div_ceil(SAMPLE)).copied().collect();
-            timed(points.len() as f64, some.len() as f64, &mut || solution.query(&machine.backend, &some).map(drop))?;
-        }
-        if let Some(camera) = self.camera {
-            let [width, height] = [camera.width, camera.height].map(|n| n.min(SAMPLE as u32 / 2));
-            let small = solution::Camera { width, height, ..camera };
-            let pixels = |c: &solution::Camera| f64::from(c.width) * f64::from(c.height);
-            timed(pixels(&camera), pixels(&small), &mut || solution.render(&machine.backend, &small).map(drop))?;
-        }
-        if self.vertices {
-            let (nodes, geometry) = (solution.nodes(), solution.geometry());
-            let places: Vec<SurfacePoint> = nodes
-                .iter()
-                .step_by(nodes.len().div_ceil(SAMPLE).max(1))
-                .map(|n| SurfacePoint { p: geometry.to_world(n.p), n: n.n.map(f64::from) })
-                .collect();
-            let all = 3.0 * solution.scene().faces.len() as f64;
-            timed(all, places.len().max(1) as f64, &mut || solution.query(&machine.backend, &places).map(drop))?;
-        }
-        Ok(Duration::from_secs_f64(seconds))
-    }
-}
-
-/// A bake and what was read out of it.
-struct Found {
-    solution: Solution,
-    answers: Option<Vec<Answer>>,
-    picture: Option<Image>,
-    mesh: Option<Mesh>,
-    readout: Duration,
-}
-
 /// Bakes where that is not done already, and reads out.
 fn work(
     machine: &Machine,
@@ -269,7 +186,7 @@ fn work(
     asked: &Asked,
     log: &mut Log,
     stop: &AtomicBool,
-) -> Result<Found> {
+) -> Result<(Solution, Shown)> {
     let backend = &machine.backend;
     let solution = match there {
         Some(solution) => {
@@ -281,22 +198,6 @@ fn work(
             machine.judge("the bake", baked)?
         }
     };
-    let begin = Instant::now();
-    log.event(&Event::Stage { name: "readout" });
-    let answers = asked.points.map(|p| solution.query_with(backend, p, &mut |event| heed(log, stop, event))).transpose();
-    let answers = machine.judge("the points", answers)?;
-    let picture = asked.camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(log, stop, event))).transpose();
-    let picture = machine.judge("the picture", picture)?;
-    let mesh = asked.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, stop, event))).transpose();
-    let mesh = machine.judge("the vertices", mesh)?;
-    Ok(Found { solution, answers, picture, mesh, readout: begin.elapsed() })
-}
-
-/// Refuses a folder that cannot be one, before the work and without making it.
-fn check_folder(path: &Path) -> Result<()> {
-    if path.exists() && !path.is_dir() {
-        let source = std::io::Error::from(std::io::ErrorKind::NotADirectory);
-        return Err(Error::Write { path: path.into(), source });
-    }
-    Ok(())
+    let shown = asked.show(machine, &solution, log, stop)?;
+    Ok((solution, shown))
 }

@@ -68,6 +68,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
+        Error::UnknownName { .. } => ("unknown_name", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),
         Error::Overflow { .. } => ("overflow", USAGE),
         Error::NotContractive { .. } => ("not_contractive", USAGE),

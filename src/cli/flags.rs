@@ -1,26 +1,9 @@
-//! The table of all commands, and of those that are only promised. A command has a file of its own beside this one.
+//! The table of all commands. A command has a file of its own beside this one.
 
 use super::console::Console;
-use super::{adapters, bake, completions, doctor, explain, man, paper, query, render, selftest, sweep};
+use super::{adapters, bake, completions, doctor, explain, man, paper, query, relight, render, selftest, sweep};
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
-
-/// Flags and commands that are promised but not built, and what to do meanwhile.
-const NOT_BUILT: &[(&str, &str)] = &[("relight", "bake again with the new lights")];
-
-/// A refusal that names the first promised but unbuilt flag or command in the arguments.
-pub fn not_built(args: &[OsString]) -> Option<String> {
-    let args: Vec<_> = args.iter().skip(1).map(|a| a.to_string_lossy()).take_while(|a| a != "--").collect();
-    let command = args.iter().find(|a| !a.starts_with('-'));
-    NOT_BUILT.iter().find_map(|(name, instead)| {
-        let given = if name.starts_with('-') {
-            args.iter().any(|a| a.split('=').next() == Some(name))
-        } else {
-            command.is_some_and(|c| c == name)
-        };
-        given.then(|| format!("{name} is not built yet; {instead}"))
-    })
-}
 
 const EXAMPLES: &str = "\
 Examples:
@@ -83,6 +66,8 @@ pub enum Command {
     Bake(bake::Flags),
     /// Light at the points of a CSV file, from a solution.
     Query(query::Flags),
+    /// Other light on a solution: new emission, light groups, or reflectance, without training again.
+    Relight(relight::Flags),
     /// A picture, from a solution or straight from a scene.
     Render(render::Flags),
     /// What accuracy costs: the error of every method against time, in words, plots and pictures.
@@ -147,14 +132,5 @@ mod tests {
     fn the_version_tells_the_wgpu() {
         let manifest = include_str!("../../Cargo.toml");
         assert!(manifest.contains(&format!("\nwgpu = {{ version = \"{WGPU}\"")), "{WGPU}");
-    }
-
-    #[test]
-    fn promised_flags_are_named() {
-        let args = |text: &str| text.split_whitespace().map(OsString::from).collect::<Vec<_>>();
-        assert!(not_built(&args("raycell relight a.rcell")).unwrap().starts_with("relight"));
-        // A scene may be called what it likes.
-        assert!(not_built(&args("raycell bake paper")).is_none());
-        assert!(not_built(&args("raycell bake -- relight")).is_none());
     }
 }

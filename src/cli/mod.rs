@@ -12,6 +12,7 @@ mod log;
 mod man;
 mod paper;
 mod query;
+mod relight;
 mod render;
 mod selftest;
 mod shared;
@@ -29,10 +30,6 @@ use std::process::ExitCode;
 pub fn run() -> ExitCode {
     let args: Vec<OsString> = std::env::args_os().collect();
     let early = Console::from_args(&args);
-    if let Some(refusal) = flags::not_built(&args) {
-        early.error("not_built", &refusal, exit::USAGE);
-        return exit::USAGE.into();
-    }
     let (command, console) = match flags::parse(args, early.color) {
         Ok(flags) => (flags.command, flags.console),
         Err(e) => {
@@ -68,6 +65,7 @@ fn obey(command: Command, console: &Console) -> Result<Done, Failure> {
     let done = match command {
         Command::Bake(flags) => return bake::run(flags, console),
         Command::Query(flags) => query::run(flags, console),
+        Command::Relight(flags) => return relight::run(flags, console),
         Command::Render(flags) => render::run(flags, console),
         Command::Sweep(flags) => return sweep::run(flags, console),
         Command::Paper(flags) => return paper::run(flags, console),

@@ -48,6 +48,9 @@ pub struct Report {
     /// What was to be reached, and whether it was; null where nothing was asked for.
     #[serde(default)]
     pub target: Option<TargetReport>,
+    /// How it was relit; null for a bake.
+    #[serde(default)]
+    pub relit: Option<RelitReport>,
     /// What was odd, in words.
     pub warnings: Vec<String>,
     /// Whether the bake was stopped before the light was solved and refined.
@@ -210,6 +213,31 @@ pub struct RegionError {
     pub mean: f64,
     /// Error in it, as a share of its own mean.
     pub rrmse: f64,
+}
+
+/// How a solution came by other light than it was baked with.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RelitReport {
+    /// The solution's file; null where there was none.
+    pub from: Option<String>,
+    /// What was changed, one each, as the flags say it.
+    pub changes: Vec<String>,
+    /// scaled (all light is a multiple of the bake's, a band each: exact), solved (the network carries new light), or re-traced
+    /// (the changed scene was baked).
+    pub how: String,
+    /// Why so, in words.
+    pub why: String,
+    /// The error that the bake states; null where it states none.
+    pub baked_error: Option<f64>,
+    /// What is added to the error by a network that was tuned for other light, as a share of the mean radiosity; null where
+    /// it was re-traced.
+    pub extra_error: Option<f64>,
+    /// Share of the new light that the bake's own rays carry as they are; the rest goes by cells. Null where it was re-traced.
+    pub known: Option<f64>,
+    /// As many rays, drawn for the new light, would scatter as little as the bake's; null where it was re-traced.
+    pub effective_rays: Option<f64>,
+    /// Wall time without kernels being compiled, and without reading files.
+    pub seconds: Option<f64>,
 }
 
 /// What a bake was to reach.

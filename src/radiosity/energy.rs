@@ -14,6 +14,25 @@ const EMISSION_RAYS: u32 = 65_536;
 /// Those for each ray of the bake, where that is fewer.
 const SHARE: u32 = 4;
 
+/// What the emitters send in all, scaled, over local areas.
+pub fn emitted(geometry: &Geometry) -> [f64; 3] {
+    let mut emitted = [0.0; 3];
+    for e in &geometry.emitters {
+        let m = geometry.material_of(e.tri as usize);
+        for k in 0..3 {
+            emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
+        }
+    }
+    emitted
+}
+
+/// A scaled power over local areas as watts.
+pub fn watts(geometry: &Geometry, power: [f64; 3]) -> [f64; 3] {
+    let area_scale = if geometry.flatland { geometry.scale } else { geometry.scale * geometry.scale };
+    let per_area = 1.0 / (geometry.emission_scale * area_scale);
+    power.map(|v| v * per_area)
+}
+
 /// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
 ///
 /// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check.
@@ -27,15 +46,7 @@ pub fn account<E: Engine>(
     batches: &mut [E::Batch],
     progress: &mut Progress,
 ) -> Result<Energy> {
-    let area_scale = if geometry.flatland { geometry.scale } else { geometry.scale * geometry.scale };
-    let per_area = 1.0 / (geometry.emission_scale * area_scale);
-    let mut emitted = [0.0; 3];
-    for e in &geometry.emitters {
-        let m = geometry.material_of(e.tri as usize);
-        for k in 0..3 {
-            emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
-        }
-    }
+    let emitted = emitted(geometry);
     if emitted == [0.0; 3] {
         return Ok(Energy { emitted: Some([0.0; 3]), absorbed: Some([0.0; 3]), escaped: Some([0.0; 3]), imbalance: Some(0.0) });
     }
@@ -91,6 +102,6 @@ pub fn account<E: Engine>(
         progress.tick()?;
     }
     let imbalance = (0..3).map(|k| emitted[k] - absorbed[k] - escaped[k]).sum::<f64>() / emitted.iter().sum::<f64>();
-    let watts = |x: [f64; 3]| Some(x.map(|v| v * per_area));
+    let watts = |x: [f64; 3]| Some(watts(geometry, x));
     Ok(Energy { emitted: watts(emitted), absorbed: watts(absorbed), escaped: watts(escaped), imbalance: Some(imbalance) })
 }

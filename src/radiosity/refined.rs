@@ -27,13 +27,13 @@ const LEAST: f64 = 1e-5;
 const STUCK: u32 = 3;
 
 /// A node's light in f64: H and its gradient along both tangents.
-type Light = [DVec3; 3];
+pub(crate) type Light = [DVec3; 3];
 
-fn wide(l: &NodeLight) -> Light {
+pub(crate) fn wide(l: &NodeLight) -> Light {
     [l.h, l.g0, l.g1].map(|x| DVec3::from_array(x.map(f64::from)))
 }
 
-fn narrow(l: &Light) -> NodeLight {
+pub(crate) fn narrow(l: &Light) -> NodeLight {
     let [h, g0, g1] = l.map(|x| x.as_vec3().to_array());
     NodeLight { h, g0, g1, ..NodeLight::default() }
 }

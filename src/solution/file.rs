@@ -1,13 +1,13 @@
 //! `solution.rcell`: everything a query or a new solve needs, and nothing that differs between two
 //! bakes of one seed (no timings, no goal, no adapter, no path).
 
-use super::{Solution, check, sections};
+use super::{Baked, Solution, check, sections};
 use crate::effects::Switches;
 use crate::error::Result;
 use crate::layout::{Node, NodeLight};
 use crate::network::nodes::{surface_of, worth_marking};
 use crate::output::rcell::{self, Container, Section};
-use crate::output::report::{Report, Seconds};
+use crate::output::report::{EstimatedError, RelitReport, Report, Seconds};
 use crate::params::{Mode, Params};
 use crate::scene::{Face, Geometry, Material, Scene, Space};
 use crate::twin::winner::Feature;
@@ -31,6 +31,16 @@ struct Header {
     /// How the scene was prepared: triangles, planar pieces and tiles, to tell a version that does it otherwise.
     prepared: [u32; 3],
     report: Report,
+    /// Where it was relit: its bake. The bake's light has a section of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    baked: Option<BakedEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct BakedEntry {
+    materials: Vec<MaterialEntry>,
+    of: Vec<u32>,
+    error: Option<EstimatedError>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -38,6 +48,17 @@ struct MaterialEntry {
     name: String,
     reflectance: [f64; 3],
     emission: [f64; 3],
+}
+
+impl MaterialEntry {
+    fn all(materials: &[Material]) -> Vec<MaterialEntry> {
+        let entry = |m: &Material| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission };
+        materials.iter().map(entry).collect()
+    }
+
+    fn read(all: Vec<MaterialEntry>) -> Vec<Material> {
+        all.into_iter().map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission }).collect()
+    }
 }
 
 /// What the header says it holds.
@@ -57,6 +78,7 @@ impl Solution {
             ..self.report.clone()
         };
         report.scene.path = name.clone();
+        report.relit = report.relit.map(|relit| RelitReport { from: None, seconds: None, ..relit });
         let header = Header {
             content: CONTENT.into(),
             name,
@@ -64,14 +86,17 @@ impl Solution {
                 Space::Solid => None,
                 Space::Flatland { height } => Some(height),
             },
-            materials: (self.scene.materials.iter())
-                .map(|m| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission })
-                .collect(),
+            materials: MaterialEntry::all(&self.scene.materials),
             objects: self.scene.objects.clone(),
             effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
             params: self.params.clone(),
             prepared: prepared(&self.geometry),
             report,
+            baked: self.baked.as_ref().map(|b| BakedEntry {
+                materials: MaterialEntry::all(&b.materials),
+                of: b.of.clone(),
+                error: b.error.clone(),
+            }),
         };
         let faces: Vec<[u32; 5]> =
             (self.scene.faces.iter()).map(|f| [f.vertices[0], f.vertices[1], f.vertices[2], f.material, f.object]).collect();
@@ -82,7 +107,8 @@ impl Solution {
             Section::new("light", &self.light),
             Section::new("cells", &self.cells),
         ];
-        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system)].concat())
+        let baked = self.baked.as_ref().map(|b| Section::new("baked_light", &b.light));
+        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system), baked.as_slice()].concat())
     }
 
     /// Reads a solution that [`Solution::save`] has written, checking all of it.
@@ -109,9 +135,7 @@ impl Solution {
             space: header.flatland.map_or(Space::Solid, |height| Space::Flatland { height }),
             vertices: file.get("vertices")?,
             faces: faces.iter().map(|&[a, b, c, material, object]| Face { vertices: [a, b, c], material, object }).collect(),
-            materials: (header.materials.into_iter())
-                .map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission })
-                .collect(),
+            materials: MaterialEntry::read(header.materials),
             objects: header.objects,
             effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
             ..Scene::default()
@@ -137,7 +161,20 @@ impl Solution {
             .and_then(|()| check::cells(&cells, speaking))
             .map_err(|what| file.fail(what))?;
         let surface = surface_of(&geometry, nodes, header.params.lambda as f32, worth_marking(&geometry, header.params.rays));
-        Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report })
+        let baked = match header.baked {
+            None => None,
+            Some(entry) => {
+                let light: Vec<NodeLight> = file.get("baked_light")?;
+                check::light(&light, surface.nodes.len()).map_err(|what| file.fail(what))?;
+                let baked = Baked { materials: MaterialEntry::read(entry.materials), of: entry.of, light, error: entry.error };
+                if baked.of.len() != scene.materials.len() || baked.of.iter().any(|&m| m as usize >= baked.materials.len()) {
+                    return Err(fail("the materials of its bake do not fit its own".into()));
+                }
+                baked.scene(&scene).check().map_err(|e| fail(format!("the scene of its bake cannot be used: {e}")))?;
+                Some(baked)
+            }
+        };
+        Ok(Solution { scene, geometry, params: header.params, surface, light, cells, system, report: header.report, baked })
     }
 }
 

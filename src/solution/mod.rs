@@ -1,11 +1,13 @@
 //! A solved network: what a bake leaves, and what queries, pictures and files are made from.
 
+mod baked;
 pub(crate) mod check;
 mod file;
 pub(crate) mod picture;
 pub(crate) mod sections;
 mod vertices;
 
+pub(crate) use baked::Baked;
 pub use picture::{Camera, Image};
 
 use crate::engine::Backend;
@@ -16,6 +18,7 @@ use crate::output::report::Report;
 use crate::params::{Method, Params};
 use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
+use crate::relight::{Change, relight};
 use crate::scene::{Geometry, Scene};
 use crate::shade::{Shade, shade};
 use crate::twin::TwinEngine;
@@ -69,6 +72,8 @@ pub struct Solution {
     cells: Vec<Feature>,
     system: System,
     report: Report,
+    /// What its bake found, where it was relit since.
+    baked: Option<Baked>,
 }
 
 impl Solution {
@@ -82,7 +87,17 @@ impl Solution {
         system: System,
         report: Report,
     ) -> Solution {
-        Solution { scene, geometry, params, surface, light, cells, system, report }
+        Solution { scene, geometry, params, surface, light, cells, system, report, baked: None }
+    }
+
+    /// As one that was relit, of a bake that found this.
+    pub(crate) fn relit(self, baked: Baked) -> Solution {
+        Solution { baked: Some(baked), ..self }
+    }
+
+    /// What its bake found, where it was relit since.
+    pub(crate) fn baked(&self) -> Option<&Baked> {
+        self.baked.as_ref()
     }
 
     /// What the bake did.
@@ -129,6 +144,17 @@ impl Solution {
     #[doc(hidden)]
     pub fn system(&self) -> &System {
         &self.system
+    }
+
+    /// This solution with other light: emission, groups of lamps, reflectance. The network stays as it is and is only solved
+    /// anew, or, where it cannot carry the new light well, the changed scene is baked; [`Report::relit`] tells which, why, and
+    /// what it adds to the error. Of a solution that was relit before, the bake it came from is the ground: errors do not add up.
+    ///
+    /// Errors: [`Error::UnknownName`], [`Error::InvalidReflectance`], [`Error::InvalidEmission`], [`Error::InvalidParam`] for a
+    /// factor out of range, or where rays may never be traced but must be; [`Error::NotContractive`]; those of the device,
+    /// [`Error::Cancelled`].
+    pub fn relight(&self, backend: &Backend, change: &Change, tell: &mut dyn FnMut(&Event) -> Flow) -> Result<Solution> {
+        relight(self, backend, change, tell)
     }
 
     /// Whether the bake that it is of was stopped; [`Report::reached`] says how far it came.

@@ -113,6 +113,7 @@ pub fn already(folder: &Path, scene: &Scene, params: &Params, climb: bool) -> Op
     let solution = Solution::load(&folder.join("solution.rcell")).ok()?;
     let then = solution.scene();
     let same = !solution.is_partial()
+        && solution.report().relit.is_none()
         && match climb {
             true => (0..=Params::LAST_RUNG).any(|n| params.rung(n) == solution.report().params),
             false => solution.report().params == *params,

@@ -8,4 +8,5 @@ pub mod machine;
 pub mod network;
 pub mod paper;
 pub mod points;
+pub mod results;
 pub mod scene;
