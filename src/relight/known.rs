@@ -23,7 +23,7 @@ pub(super) struct Known {
     missed: [Vec<Light>; 2],
     /// Area of each node.
     areas: Vec<f64>,
-    /// What cells miss of the light that they carry, as a share of it.
+    /// What cells miss of direct light that is reflected, as a share of what was sent (root mean squares over the surface).
     pub blur: f64,
 }
 
@@ -81,7 +81,7 @@ impl Known {
         let sent = [reflected(direct, rho), reflected(light, rho)];
         let missed = [sum(&first, &carried(system, &sent[0]), -1.0), sum(&later, &carried(system, &sent[1]), -1.0)];
         let size = |rows: &[Light]| rows.iter().zip(&areas).map(|(l, a)| a * l[0].length_squared()).sum::<f64>();
-        let all = size(&first);
+        let all = size(&sent[0]);
         let blur = if all > 0.0 { (size(&missed[0]) / all).sqrt() } else { 0.0 };
         Known { sent, missed, areas, blur }
     }

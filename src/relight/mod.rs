@@ -21,7 +21,7 @@ use crate::bake::bake;
 use crate::effects;
 use crate::engine::Backend;
 use crate::error::{Error, Result};
-use crate::network::nodes::{surface_of, worth_marking};
+use crate::network::nodes::surface_of;
 use crate::output::report::{Energy, EstimatedError, RegionError, RelitReport, Report, Seconds};
 use crate::params::{Direct, Method, Mode, Params};
 use crate::pass::GpuEngine;
@@ -39,7 +39,7 @@ use network::{Job, Relit};
 use std::time::Instant;
 
 /// A relight is tested as a bake of so many times fewer rays.
-const TESTS: u32 = 16;
+const TESTS: u32 = 32;
 /// Share of the bake's rays below which it is told how few serve the new light.
 const FEW: f64 = 0.5;
 /// Share by which a light may miss a multiple of another by rounding alone.
@@ -245,8 +245,8 @@ fn moved(from: &Solution, geometry: &Geometry, scene: &Scene) -> (System, Surfac
             (node.material, node.plane, plane.material) = (tri.material, tri.plane, tri.material);
         }
     }
-    let params = from.params();
-    let surface = surface_of(geometry, nodes, params.lambda as f32, worth_marking(geometry, params.rays));
+    // Marks save rays where many points are assigned; here they are few.
+    let surface = surface_of(geometry, nodes, from.params().lambda as f32, false);
     (system, surface)
 }
 

@@ -18,8 +18,10 @@ use glam::{DVec3, Vec3};
 
 /// Points in flight.
 const CHUNK: usize = 65_536;
+/// Most points a node, but for its own.
+const EACH: usize = 10;
 /// Samples of direct light at a point.
-const SAMPLES: Samples = Samples { emitter: 3, cosine: 1 };
+const SAMPLES: Samples = Samples { emitter: 2, cosine: 1 };
 /// Points around a node below which it has no slope.
 const LEAST: f64 = 4.0;
 /// What a node's own place counts, as a share of the area that nodes have on the mean.
@@ -42,8 +44,11 @@ impl Looks {
         seed: u32,
         progress: &mut Progress,
     ) -> Result<Looks> {
-        let places = tiles::places(geometry, stream(seed, Stream::TilePlace));
-        let mut points: Vec<Point> = places.into_iter().filter(|p| geometry.material_at(p).rho != [0.0; 3]).collect();
+        let mut points = tiles::places(geometry, stream(seed, Stream::TilePlace));
+        points.retain(|p| geometry.material_at(p).rho != [0.0; 3]);
+        // Neighbours follow each other: every so-manieth is one of each neighbourhood.
+        let step = points.len().div_ceil(EACH * surface.nodes.len().max(1)).max(1);
+        let mut points: Vec<Point> = points.into_iter().step_by(step).collect();
         let mut areas: Vec<f64> = points.iter().map(|p| geometry.tile_area(p.tile as usize)).collect();
         // Nodes lie closer where light changes quickly: each has a point at least.
         let own = OWN * geometry.area / surface.nodes.len().max(1) as f64;
