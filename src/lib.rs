@@ -26,6 +26,7 @@
 //!   Metres, linear Rec.709, surfaces lit on the side of their counter-clockwise winding.
 //! - **Results:** [`Solution::query`] at any points, [`Solution::render`] for pictures,
 //!   [`Solution::vertices`] for meshes, [`Solution::save`] for later. [`output`] writes the files.
+//! - **Other light:** [`Solution::relight`] takes new emission, light groups and reflectance without training again.
 //! - **Stopping:** [`bake_from`] fills a [`Checkpoint`] and goes on from one; [`Checkpoint::solution`] is what was
 //!   known when it stopped.
 //! - **Trust:** [`selftest::run`] holds a machine's driver against closed forms.

@@ -46,7 +46,7 @@ impl Looks {
     ) -> Result<Looks> {
         let mut points = tiles::places(geometry, stream(seed, Stream::TilePlace));
         points.retain(|p| geometry.material_at(p).rho != [0.0; 3]);
-        // Neighbours follow each other: every so-manieth is one of each neighbourhood.
+        // Neighbours follow each other, so every n-th one leaves no gap.
         let step = points.len().div_ceil(EACH * surface.nodes.len().max(1)).max(1);
         let mut points: Vec<Point> = points.into_iter().step_by(step).collect();
         let mut areas: Vec<f64> = points.iter().map(|p| geometry.tile_area(p.tile as usize)).collect();
