@@ -17,7 +17,7 @@ use crate::twin::jacobi::System;
 use glam::DVec3;
 
 /// Solves until the combination of known light fits what it makes.
-const ROUNDS: u32 = 3;
+const ROUNDS: u32 = 2;
 
 /// New light on the nodes, and what is known of it.
 pub(super) struct Relit {
