@@ -174,7 +174,7 @@ fn light_groups_scale_exactly() {
     assert_eq!(relit(&read, &backend, &scale(0.5)).light(), from.light());
     // One group of two is no multiple of the bake; both groups' parts add up to the whole.
     let part = |name: &str| {
-        let off = Change { scale: vec![(name.into(), 0.0)], ..Change::default() };
+        let off = Change { scale: vec![(name.into(), 0.0)], retrace: Retrace::Never, ..Change::default() };
         let part = relit(&from, &backend, &off);
         assert_eq!(told(&part).how, "solved");
         light(&part, &backend, &points)
@@ -193,14 +193,18 @@ fn light_groups_scale_exactly() {
 fn an_object_changes_alone() {
     let backend = Backend::Cpu;
     let from = baked(&backend, &furnace(), &small());
-    let dark = relit(&from, &backend, &reflectance(&[("floor", [0.1; 3])]));
+    let change = Change { retrace: Retrace::Never, ..reflectance(&[("floor", [0.1; 3])]) };
+    let dark = relit(&from, &backend, &change);
     let mut scene = furnace();
     scene.materials.push(Material::new("floor", [0.1; 3], [1.0, 2.0, 3.0]));
     scene.faces.iter_mut().filter(|f| f.object == 1).for_each(|f| f.material = 2);
     let full = baked(&backend, &scene, &small());
     let places = [inside(), vec![SurfacePoint { p: [0.5, 1.2, 0.4], n: [0.0, -1.0, 0.0] }]].concat();
     let [a, b, before] = [&dark, &full, &from].map(|s| light(s, &backend, &places));
-    assert!(rrmse(&a, &b) < 0.02 && rrmse(&before, &b) > 0.1, "{a:?} {b:?} {before:?}");
+    // So few rays have sixteen cells, which blur the floor into the walls around it.
+    let stated = [&dark, &full].map(|s| s.report().estimated_error.as_ref().unwrap().high);
+    assert!(rrmse(&a, &b) < stated[0].hypot(stated[1]), "{a:?} {b:?} {stated:?}");
+    assert!(rrmse(&a, &b) < 0.04 && rrmse(&before, &b) > 0.3, "{a:?} {b:?} {before:?}");
     assert_eq!(dark.scene().materials[2].name, "walls (floor)");
     // It is saved with the bake that it came from.
     let dir = tempfile::tempdir().unwrap();

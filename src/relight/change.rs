@@ -105,7 +105,11 @@ impl Changed {
             scene.material_places.push(place);
         }
         self.of.push(self.of[material as usize]);
-        for face in scene.faces.iter_mut().filter(|f| f.material == material && scene.objects[f.object as usize] == object) {
+        for face in scene
+            .faces
+            .iter_mut()
+            .filter(|f| f.material == material && scene.objects.get(f.object as usize).is_some_and(|o| o == object))
+        {
             face.material = own;
         }
         own

@@ -23,8 +23,8 @@ pub(super) struct Known {
     missed: [Vec<Light>; 2],
     /// Area of each node.
     areas: Vec<f64>,
-    /// What cells miss of direct light that is reflected, as a share of what was sent (root mean squares over the surface).
-    pub blur: f64,
+    /// What cells miss of reflected light, direct and later, as a share of what was sent (root mean squares over the surface).
+    pub blur: [f64; 2],
 }
 
 /// How much of each known light is in another: a matrix from its bands to the other's, each.
@@ -81,8 +81,10 @@ impl Known {
         let sent = [reflected(direct, rho), reflected(light, rho)];
         let missed = [sum(&first, &carried(system, &sent[0]), -1.0), sum(&later, &carried(system, &sent[1]), -1.0)];
         let size = |rows: &[Light]| rows.iter().zip(&areas).map(|(l, a)| a * l[0].length_squared()).sum::<f64>();
-        let all = size(&sent[0]);
-        let blur = if all > 0.0 { (size(&missed[0]) / all).sqrt() } else { 0.0 };
+        let blur = [0, 1].map(|s| {
+            let all = size(&sent[s]);
+            if all > 0.0 { (size(&missed[s]) / all).sqrt() } else { 0.0 }
+        });
         Known { sent, missed, areas, blur }
     }
 

@@ -17,9 +17,7 @@ use crate::twin::jacobi::System;
 use glam::DVec3;
 
 /// Solves until the combination of known light fits what it makes.
-const ROUNDS: u32 = 3;
-/// How much more than known light cells may blur other light.
-const CAUTION: f64 = 1.5;
+const ROUNDS: u32 = 2;
 
 /// New light on the nodes, and what is known of it.
 pub(super) struct Relit {
@@ -109,26 +107,29 @@ impl Job<'_> {
         }
 
         // What is new about it.
-        let sent = sent(&light);
-        let rest = sum(&sent, &known.of(&known.mix(&sent)), -1.0);
+        let later: Vec<Light> = light.iter().map(wide).collect();
+        let parts = [&direct, &later].map(|l| reflected(l, &rho_now));
+        let sent = sum(&parts[0], &parts[1], 1.0);
+        let rests = parts.map(|part| sum(&part, &known.of(&known.mix(&part)), -1.0));
+        let rest = sum(&rests[0], &rests[1], 1.0);
         let mean_of = |l: &Light| l[0].element_sum() / 3.0;
         let bright: Vec<f64> = sent.iter().map(|l| mean_of(l).max(0.0)).collect();
         let bright_then: Vec<f64> = known.sent().iter().map(|l| mean_of(l).max(0.0)).collect();
         let scatter = self.scatter(&bright, &bright_then, known.areas());
         let area: f64 = known.areas().iter().sum::<f64>().max(f64::MIN_POSITIVE);
         let over = |what: &dyn Fn(usize) -> f64| known.areas().iter().enumerate().map(|(i, a)| a * what(i)).sum::<f64>() / area;
-        let (size, left) =
-            (over(&|i| sent[i][0].length_squared() / 3.0).sqrt(), over(&|i| rest[i][0].length_squared() / 3.0).sqrt());
+        let norm = |l: &[Light]| over(&|i| l[i][0].length_squared() / 3.0).sqrt();
         let mean = over(&|i| bright[i]);
         let reflects = over(&|i| rho_now[i].length_squared() / 3.0).sqrt();
         let share = |x: f64, of: f64| if of > 0.0 { x / of } else { 0.0 };
-        let blurred = CAUTION * known.blur * reflects * share(left, mean);
+        // Each rest is taken to be blurred as the known light of its sort is.
+        let blurred = reflects * share((known.blur[0] * norm(&rests[0])).hypot(known.blur[1] * norm(&rests[1])), mean);
         let rays = baked.error.as_ref().and_then(|e| e.parts.rays).unwrap_or(0.0);
         let noise = rays * (scatter - 1.0).max(0.0).sqrt();
         Ok(Relit {
             bright: looks.on_tiles(after, &bright),
             extra: blurred.hypot(noise),
-            known: (1.0 - share(left, size)).max(0.0),
+            known: (1.0 - share(norm(&rest), norm(&sent))).max(0.0),
             effective: f64::from(params.rays) / scatter,
             light,
             solved,

@@ -19,9 +19,9 @@ use glam::{DVec3, Vec3};
 /// Points in flight.
 const CHUNK: usize = 65_536;
 /// Most points a node, but for its own.
-const EACH: usize = 10;
+const EACH: usize = 20;
 /// Samples of direct light at a point.
-const SAMPLES: Samples = Samples { emitter: 2, cosine: 1 };
+const SAMPLES: Samples = Samples { emitter: 3, cosine: 1 };
 /// Points around a node below which it has no slope.
 const LEAST: f64 = 4.0;
 /// What a node's own place counts, as a share of the area that nodes have on the mean.
