@@ -106,6 +106,16 @@ pub enum Error {
         /// The value.
         value: f64,
     },
+    /// A light, or an environment, that cannot shine.
+    #[error("light '{light}': {what}; {cure}")]
+    InvalidLight {
+        /// Its name, or "environment".
+        light: String,
+        /// What is wrong.
+        what: String,
+        /// What to do.
+        cure: &'static str,
+    },
     /// A parameter outside its range.
     #[error("{name} = {value} is out of range: {range}")]
     InvalidParam {

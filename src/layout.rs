@@ -100,6 +100,24 @@ pub struct Emitter {
     pub near2: f32,
 }
 
+/// A light without a surface (48 bytes): a sun, or a point or spot light.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Light {
+    /// The unit direction towards a sun; the position of a point or spot.
+    pub p: [f32; 3],
+    /// Sine of half a sun's diameter; a spot's 1/(cos inner - cos outer), 0 of a point.
+    pub slope: f32,
+    /// A sun's irradiance; the radiant intensity of a point or spot, scaled, in local lengths.
+    pub value: [f32; 3],
+    /// A spot's -cos outer times `slope`, 1 of a point.
+    pub offset: f32,
+    /// The unit direction of a spot's axis.
+    pub d: [f32; 3],
+    /// Padding.
+    pub pad0: u32,
+}
+
 /// A tile's share of the start distribution (8 bytes).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -22,7 +22,9 @@ use crate::scene::{Geometry, Scene};
 use crate::solution::SurfacePoint;
 use crate::twin::direct::{Samples, from_direction, from_emitters, round};
 use crate::twin::emit::first_hit;
+use crate::twin::lights::from_lights;
 use crate::twin::math::{cosine_direction, seed_of, unit};
+use crate::twin::sky;
 use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_on, position};
 use glam::Vec3;
@@ -135,6 +137,8 @@ impl<'a> Reference<'a> {
         let of = digest(&[
             bytes(&geometry.tris),
             bytes(&geometry.materials),
+            bytes(&geometry.sky.texels),
+            bytes(&geometry.lights.all),
             bytes(&[geometry.scale, geometry.emission_scale, geometry.arrives]),
             bytes(&coordinates),
             bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine, END.emitter]),
@@ -331,7 +335,7 @@ fn is_covered(geometry: &Geometry, tri: u32, p: Vec3, seed: u32) -> bool {
 
 /// Irradiance at a point by one batch, scaled W/m².
 fn batch_at(geometry: &Geometry, spot: Spot, seed: u32) -> [f64; 3] {
-    if geometry.emitters.is_empty() {
+    if !geometry.shines() {
         return [0.0; 3];
     }
     let mut sum = [0.0; 3];
@@ -355,11 +359,14 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
         let n = Vec3::from(geometry.tris[at.tri as usize].normal);
         let direction = cosine_direction(geometry.flatland, n, unit(turn[0]), unit(turn[1]));
         let (met, hit) = first_hit(geometry, at.tri, at.p, direction);
+        // The start's direct light is sampled apart.
+        if met == kind::SKY && reflections > 0 && !geometry.sky.is_empty() {
+            light += through * sky::from_direction(geometry, n, direction, sky_end(geometry));
+        }
         if met != kind::FRONT {
             break;
         }
-        // The start's direct light is sampled apart.
-        if reflections > 0 {
+        if reflections > 0 && !geometry.emitters.is_empty() {
             light += through * from_direction(geometry, n, direction, &hit, END);
         }
         let there = &geometry.tris[hit.tri as usize];
@@ -374,9 +381,33 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
             break;
         }
         at = Spot { tri: hit.tri, p: position(geometry.flatland, there, hit.b1, hit.b2) };
-        light += through * from_emitters(geometry, at.tri, at.p, lamp, random.unit(), END);
+        let pick = random.unit();
+        if !geometry.emitters.is_empty() {
+            light += through * from_emitters(geometry, at.tri, at.p, lamp, pick, END);
+        }
+        if geometry.is_surfaceless() {
+            light += through * surfaceless_end(geometry, at, &mut random);
+        }
         turn = [random.next(), random.next()];
         lamp = [random.next(), random.next()];
+    }
+    light
+}
+
+/// Samples of the sky at the ends of a path: one of its map, and the way on.
+fn sky_end(geometry: &Geometry) -> [u32; 2] {
+    [u32::from(geometry.sky.is_mapped()), 1]
+}
+
+/// What lights and the map of the sky bring to an end of a path; the way on finds the rest of the sky.
+fn surfaceless_end(geometry: &Geometry, at: Spot, random: &mut Random) -> Vec3 {
+    let (u, v, seed) = (random.next(), random.next(), random.next());
+    let mut light = Vec3::ZERO;
+    if geometry.sky.is_mapped() {
+        light += sky::from_map(geometry, at.tri, at.p, u, v, sky_end(geometry));
+    }
+    if !geometry.lights.is_empty() {
+        light += from_lights(geometry, at.tri, at.p, seed, 0, Samples { emitter: 1, cosine: 0 });
     }
     light
 }

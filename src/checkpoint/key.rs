@@ -19,6 +19,9 @@ pub(crate) struct Key {
     /// Effects that were switched by hand; of older files none.
     #[serde(default)]
     effects: String,
+    /// Digest of the sky and of lights without a surface; none where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lights: Option<String>,
     /// Adapter and driver, or cpu: another one rounds otherwise.
     device: String,
     params: Params,
@@ -42,6 +45,8 @@ impl Key {
             triangles: digest(&[bytes(&geometry.tris), bytes(&[geometry.scale]), bytes(&objects), names.as_bytes()]),
             materials: digest(&[bytes(&geometry.materials), bytes(&[geometry.emission_scale])]),
             effects: if scene.effects == Switches::default() { String::new() } else { scene.effects.to_string() },
+            lights: (geometry.is_surfaceless())
+                .then(|| digest(&[bytes(&geometry.sky.texels), bytes(&geometry.lights.all), bytes(&[geometry.lights.suns])])),
             device,
             params: params.clone(),
         }
@@ -85,7 +90,10 @@ impl Key {
         if let Some(name) = names.find(|&name| then[name] != params[name]) {
             return changed(name, &then[name].to_string(), &params[name].to_string());
         }
-        // After the parameters: the norm is in the materials too.
+        // After the parameters: the norm is in the materials too; and lights before: their scale is.
+        if self.lights != now.lights {
+            return Some("the scene's lights or its environment have changed".into());
+        }
         (self.materials != now.materials).then(|| "the scene's materials have changed".into())
     }
 }
@@ -131,6 +139,9 @@ mod tests {
         differs(key(0.0, 0.5, Params { cells: Some(99), ..Params::default() }), "cells was null and is 99");
         differs(Key { device: "abacus".into(), ..base.clone() }, "the device was cpu and is abacus");
         differs(Key { raycell: "0.0.0".into(), ..base.clone() }, "version");
+        let mut lit = scene(0.0, 0.5);
+        lit.environment = Some(crate::scene::Environment::constant([1.0; 3]));
+        differs(Key::new(&Backend::Cpu, &lit, &Geometry::new(&lit).unwrap(), &Params::default()), "environment");
         let back: Key = serde_json::from_str(&serde_json::to_string(&base).unwrap()).unwrap();
         assert_eq!(back, base);
     }

@@ -66,6 +66,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidVertex { .. } => ("invalid_vertex", USAGE),
         Error::IndexOutOfRange { .. } => ("index_out_of_range", USAGE),
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),
+        Error::InvalidLight { .. } => ("invalid_light", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),

@@ -3,20 +3,31 @@
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, NONE, NodeLight, Point, kind};
-use crate::network::tiles::{distribution, mean};
+use crate::network::tiles::{distribution, drawn, mean};
 use crate::output::report::Energy;
 use crate::params::{Direct, Params};
 use crate::progress::Progress;
 use crate::scene::Geometry;
+use crate::stream::{Stream, stream};
+use crate::twin::direct::Samples;
+use crate::twin::lights;
+use crate::twin::math::seed_of;
+use glam::Vec3;
+use rayon::prelude::*;
 
 /// Most rays from emitters.
 const EMISSION_RAYS: u32 = 65_536;
 /// Those for each ray of the bake, where that is fewer.
 const SHARE: u32 = 4;
+/// Most points that lights and sky are looked at from.
+const LOOKS: u32 = 32_768;
+/// Samples at each of them.
+const LOOK: Samples = Samples { emitter: 3, cosine: 1 };
 
 /// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
 ///
-/// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check.
+/// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check. Of lights without a
+/// surface, and of the sky, what arrives on front faces counts as emitted; where the rest goes is no matter of the scene.
 /// Back faces and black surfaces absorb what meets them.
 pub fn account<E: Engine>(
     engine: &mut E,
@@ -36,10 +47,18 @@ pub fn account<E: Engine>(
             emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
         }
     }
+    let all = mean(&emitted);
+    let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
+    if geometry.is_surfaceless() {
+        let [arrived, kept] = surfaceless(geometry, stream(seed, Stream::PointDirect), params.rays);
+        for k in 0..3 {
+            emitted[k] += arrived[k];
+            absorbed[k] += kept[k];
+        }
+    }
     if emitted == [0.0; 3] {
         return Ok(Energy { emitted: Some([0.0; 3]), absorbed: Some([0.0; 3]), escaped: Some([0.0; 3]), imbalance: Some(0.0) });
     }
-    let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
     let mut follow = |points: &[Point], sent: &dyn Fn(usize) -> [f64; 3]| {
         for d in 0..points.len() {
             let y = &points[d];
@@ -62,16 +81,21 @@ pub fn account<E: Engine>(
     };
 
     // Light from emitters.
-    let mut shine = vec![0.0; geometry.tiles as usize];
-    let all = mean(&emitted);
-    for t in 0..shine.len() {
-        let m = geometry.material_of(geometry.tile_tri[t] as usize);
-        shine[t] = mean(&m.emit.map(f64::from)) / all;
+    if all > 0.0 {
+        let mut shine = vec![0.0; geometry.tiles as usize];
+        for t in 0..shine.len() {
+            let m = geometry.material_of(geometry.tile_tri[t] as usize);
+            shine[t] = mean(&m.emit.map(f64::from)) / all;
+        }
+        let rays = EMISSION_RAYS.min(SHARE * params.rays);
+        let batch = engine.emit(&distribution(geometry, &shine), seed, 0, rays, rays)?;
+        let points = engine.points(&batch)?;
+        let sent = |x: usize| match points[x].tri {
+            NONE => [0.0; 3],
+            _ => geometry.material_at(&points[x]).emit.map(f64::from),
+        };
+        follow(&points, &sent);
     }
-    let rays = EMISSION_RAYS.min(SHARE * params.rays);
-    let batch = engine.emit(&distribution(geometry, &shine), seed, 0, rays, rays)?;
-    let points = engine.points(&batch)?;
-    follow(&points, &|x| if points[x].tri == NONE { [0.0; 3] } else { geometry.material_at(&points[x]).emit.map(f64::from) });
 
     // Reflected light.
     let exact = params.direct == Direct::Exact;
@@ -93,4 +117,24 @@ pub fn account<E: Engine>(
     let imbalance = (0..3).map(|k| emitted[k] - absorbed[k] - escaped[k]).sum::<f64>() / emitted.iter().sum::<f64>();
     let watts = |x: [f64; 3]| Some(x.map(|v| v * per_area));
     Ok(Energy { emitted: watts(emitted), absorbed: watts(absorbed), escaped: watts(escaped), imbalance: Some(imbalance) })
+}
+
+/// Light of lights without a surface and of the sky: what arrives on front faces, and what of it is absorbed there. By the
+/// twins, on points even over all surfaces, in their order.
+fn surfaceless(geometry: &Geometry, seed: u32, rays: u32) -> [[f64; 3]; 2] {
+    let whole: f64 = geometry.areas.iter().sum();
+    let even = distribution(geometry, &vec![1.0 / whole; geometry.tiles as usize]);
+    let points = drawn(geometry, &even, seed, LOOKS.min(rays));
+    let found: Vec<Vec3> = (points.par_iter().enumerate())
+        .map(|(i, y)| lights::surfaceless(geometry, y.tri, Vec3::from(y.p), seed_of(seed, i as u32), 0, LOOK))
+        .collect();
+    let mut sums = [[0.0; 3]; 2];
+    for (y, light) in points.iter().zip(found) {
+        for k in 0..3 {
+            let arrives = f64::from(light[k]) * whole / points.len() as f64;
+            sums[0][k] += arrives;
+            sums[1][k] += arrives * (1.0 - f64::from(geometry.material_at(y).rho[k]));
+        }
+    }
+    sums
 }

@@ -1,14 +1,14 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::{Obstacle, Scene, cumulative, hierarchy, obstacle};
+use super::{Lights, Obstacle, Scene, Sky, cumulative, hierarchy, obstacle, sky};
 use crate::disjoint::Disjoint;
 use crate::effects::Name;
 use crate::error::{Error, Result};
 use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use crate::network::groups::{self, Groups};
-use crate::params::{Norm, Params};
+use crate::params::{Direct, Norm, Params};
 use crate::twin::direct::near2;
 use glam::Vec3;
 use std::collections::hash_map::Entry;
@@ -43,7 +43,8 @@ pub struct Geometry {
     pub center: [f64; 3],
     /// Power of two that brings the largest half extent into (0.5, 1].
     pub scale: f64,
-    /// Power of two that brings the largest emission into (0.5, 1]; radiosities inside the passes are multiplied by it.
+    /// Power of two that brings the largest emission, or the light of the brightest source without a surface, into (0.5, 1];
+    /// radiosities inside the passes are multiplied by it.
     pub emission_scale: f64,
     /// Hierarchy, root first.
     pub nodes: Vec<BvhNode>,
@@ -59,6 +60,10 @@ pub struct Geometry {
     pub emitters: Vec<Emitter>,
     /// Sampling density of an emitter per unit of its summed emission, per local area.
     pub emitter_density: f32,
+    /// Light from where no surface is.
+    pub sky: Sky,
+    /// Lights without a surface.
+    pub lights: Lights,
     /// Number of tiles.
     pub tiles: u32,
     /// Triangle of each tile.
@@ -122,12 +127,17 @@ fn is_thin(corners: [[f64; 3]; 3], double_area: f64) -> bool {
 impl Geometry {
     /// As [`Geometry::new`], for a bake with these parameters.
     ///
-    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have.
+    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have, and for light without a surface that
+    /// would have to go through the network.
     pub fn for_bake(scene: &Scene, params: &Params) -> Result<Geometry> {
         let mut geometry = Geometry::new(scene)?;
         if params.norm == Norm::Paper1997 && !geometry.flatland {
             let range = "it is for flatland scenes: in three dimensions the paper's kernel has the norm of lambert";
             return Err(Error::InvalidParam { name: "norm", value: "paper1997".into(), range });
+        }
+        if params.direct == Direct::Network && geometry.is_surfaceless() {
+            let range = "lights without a surface, and the sky, are no end of a ray that the network could learn: bake with --direct exact";
+            return Err(Error::InvalidParam { name: "direct", value: "network".into(), range });
         }
         geometry.arrives = params.norm.share();
         if params.norm != Norm::Lambert {
@@ -209,8 +219,9 @@ impl Geometry {
         let (nodes, order) = hierarchy::build(&boxes);
 
         // Materials, with the emission brought near 1.
-        let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max);
-        let emission_scale = if brightest > 0.0 { power_of_two_for(brightest * std::f64::consts::PI) } else { 1.0 };
+        let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max) * std::f64::consts::PI;
+        let brightest = brightest.max(sky::radiosity(scene, scale));
+        let emission_scale = if brightest > 0.0 { power_of_two_for(brightest) } else { 1.0 };
         let materials: Vec<Material> = scene
             .materials
             .iter()
@@ -297,6 +308,8 @@ impl Geometry {
             materials,
             emitters,
             emitter_density: if all > 0.0 { (1.0 / all) as f32 } else { 0.0 },
+            sky: Sky::new(scene.environment.as_ref(), emission_scale),
+            lights: Lights::new(&scene.lights, center, scale, emission_scale),
             tiles: tile_tri.len() as u32,
             tile_tri,
             groups: None,
@@ -329,10 +342,20 @@ impl Geometry {
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
     }
 
+    /// Whether light comes from what has no surface: lights, the sky.
+    pub fn is_surfaceless(&self) -> bool {
+        !(self.sky.is_empty() && self.lights.is_empty())
+    }
+
+    /// Whether there is light at all.
+    pub fn shines(&self) -> bool {
+        !self.emitters.is_empty() || self.is_surfaceless()
+    }
+
     /// Whether anything reflects light, and there is some: where not, all light is direct.
     pub fn reflects(&self) -> bool {
         let rho = |t: usize| self.material_of(t).rho;
-        self.interreflects && !self.emitters.is_empty() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])
+        self.interreflects && self.shines() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])
     }
 
     /// Of which materials errors are measured: those that reflect and do not shine, whose light is found and not given.

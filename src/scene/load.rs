@@ -1,7 +1,7 @@
 //! Scene files, whatever their kind: what a reader may be told, where it gets its bytes, and what is done
 //! to every scene once it is read.
 
-use super::{Scene, Space, View, gltf, obj, sides, toml};
+use super::{Scene, Space, View, gltf, obj, sides, toml, transform};
 use crate::error::{Error, Result};
 use crate::progress::{Event, Flow, Progress};
 use std::io;
@@ -187,5 +187,8 @@ pub(super) fn place(scene: &mut Scene, unit: f64, up: Up) {
         camera.eye = to_metres(camera.eye, unit, up);
         camera.target = to_metres(camera.target, unit, up);
         camera.up = to_metres(camera.up, 1.0, up);
+    }
+    for light in &mut scene.lights {
+        transform::place(&mut light.kind, |p| *p = to_metres(*p, unit, up), |d| *d = to_metres(*d, 1.0, up));
     }
 }

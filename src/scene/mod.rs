@@ -7,6 +7,7 @@ mod extruded;
 mod geometry;
 mod gltf;
 mod hierarchy;
+mod light;
 mod load;
 mod mtl;
 mod obj;
@@ -14,6 +15,8 @@ mod polygon;
 #[doc(hidden)]
 pub mod shapes;
 mod sides;
+mod sky;
+mod sky_map;
 mod surface;
 mod text;
 mod toml;
@@ -30,7 +33,11 @@ pub(crate) use extruded::wall;
 pub use geometry::Geometry;
 pub(crate) use geometry::{TILES, power_of_two_for};
 pub(crate) use hierarchy::depth;
+pub use light::{Environment, Light, LightKind, SUN_ANGLE};
 pub use load::{KdSpace, LoadOptions, Up};
+#[doc(hidden)]
+pub use sky::{Lights, Sky};
+pub use sky_map::SkyMap;
 #[doc(hidden)]
 pub use surface::Located;
 pub(crate) use surface::nearest_on_triangle;
@@ -141,6 +148,10 @@ pub struct Scene {
     pub cameras: Vec<View>,
     /// Effects that were switched by hand ([`Switches::apply`]).
     pub effects: Switches,
+    /// Lights without a surface.
+    pub lights: Vec<Light>,
+    /// What is around; nothing is black.
+    pub environment: Option<Environment>,
     /// What was odd on reading, in words for the user.
     pub warnings: Vec<String>,
 }
@@ -194,7 +205,7 @@ impl Scene {
     /// in [0, 1), emissions >= 0.
     ///
     /// Errors: [`Error::EmptyScene`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`],
-    /// [`Error::InvalidReflectance`], [`Error::InvalidEmission`]; [`Error::NotFlat`] for a flatland scene whose faces
+    /// [`Error::InvalidReflectance`], [`Error::InvalidEmission`], [`Error::InvalidLight`]; [`Error::NotFlat`] for a flatland scene whose faces
     /// are no segments in the plane z = 0.
     pub fn check(&self) -> Result<()> {
         if self.faces.is_empty() {
@@ -227,6 +238,7 @@ impl Scene {
                 });
             }
         }
+        light::check(&self.lights, self.environment.as_ref(), self.is_flatland())?;
         (0..self.materials.len()).try_for_each(|m| self.check_material(m))
     }
 

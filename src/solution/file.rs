@@ -9,7 +9,7 @@ use crate::network::nodes::{surface_of, worth_marking};
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{Report, Seconds};
 use crate::params::{Mode, Params};
-use crate::scene::{Face, Geometry, Material, Scene, Space};
+use crate::scene::{Environment, Face, Geometry, Light, Material, Scene, SkyMap, Space};
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -27,6 +27,10 @@ struct Header {
     /// Effects that were switched by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     effects: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    lights: Vec<Light>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    environment: Option<EnvironmentEntry>,
     params: Params,
     /// How the scene was prepared: triangles, planar pieces and tiles, to tell a version that does it otherwise.
     prepared: [u32; 3],
@@ -38,6 +42,15 @@ struct MaterialEntry {
     name: String,
     reflectance: [f64; 3],
     emission: [f64; 3],
+}
+
+#[derive(Serialize, Deserialize)]
+struct EnvironmentEntry {
+    radiance: [f64; 3],
+    rotation: f64,
+    /// Width and height of the map in section 'sky'.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    map: Option<[u32; 2]>,
 }
 
 /// What the header says it holds.
@@ -69,6 +82,12 @@ impl Solution {
                 .collect(),
             objects: self.scene.objects.clone(),
             effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
+            lights: self.scene.lights.clone(),
+            environment: self.scene.environment.as_ref().map(|e| EnvironmentEntry {
+                radiance: e.radiance,
+                rotation: e.rotation,
+                map: e.map.as_ref().map(|m| [m.width, m.height]),
+            }),
             params: self.params.clone(),
             prepared: prepared(&self.geometry),
             report,
@@ -82,7 +101,8 @@ impl Solution {
             Section::new("light", &self.light),
             Section::new("cells", &self.cells),
         ];
-        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system)].concat())
+        let map = self.scene.environment.as_ref().and_then(|e| e.map.as_ref()).map(|m| Section::new("sky", &m.rgb));
+        rcell::write(path, &header, &[&sections[..], &sections::of(&self.system), map.as_slice()].concat())
     }
 
     /// Reads a solution that [`Solution::save`] has written, checking all of it.
@@ -104,6 +124,13 @@ impl Solution {
 
         // The scene, prepared as it was for the bake.
         let faces: Vec<[u32; 5]> = file.get("faces")?;
+        let environment = match header.environment {
+            None => None,
+            Some(e) => {
+                let map = e.map.map(|[width, height]| Ok(SkyMap { width, height, rgb: file.get("sky")? })).transpose()?;
+                Some(Environment { radiance: e.radiance, map, rotation: e.rotation })
+            }
+        };
         let scene = Scene {
             name: header.name,
             space: header.flatland.map_or(Space::Solid, |height| Space::Flatland { height }),
@@ -114,6 +141,8 @@ impl Solution {
                 .collect(),
             objects: header.objects,
             effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
+            lights: header.lights,
+            environment,
             ..Scene::default()
         };
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {

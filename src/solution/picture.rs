@@ -7,7 +7,8 @@ use crate::layout::{NONE, Point};
 use crate::params::Params;
 use crate::progress::{Event, Flow};
 use crate::scene::{Geometry, Scene};
-use crate::twin::trace::{Ray, barycentric, closest, surface_point};
+use crate::twin::lights;
+use crate::twin::trace::{Ray, barycentric, closest, occluded, surface_point};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -124,7 +125,8 @@ fn primary_hits(geometry: &Geometry, camera: &Camera) -> Vec<Option<Point>> {
 }
 
 impl Solution {
-    /// A picture in linear radiance, one ray a pixel. Sky and back faces are black. A flatland scene's segments are
+    /// A picture in linear radiance, one ray a pixel. Back faces are black; rays that meet nothing see the sky, and the discs
+    /// of suns that have a size. A flatland scene's segments are
     /// seen as walls, [`crate::scene::Space`], that have the light of their foot all the way up.
     ///
     /// Direct light and final gathers take fewer samples than in [`Solution::query`]. Errors:
@@ -155,10 +157,26 @@ impl Solution {
                     let what = || format!("the light at pixel {},{}", i as u32 % camera.width, i as u32 / camera.width);
                     narrow(self.answer(point, &shade, what)?.b.map(|b| b / PI), what)
                 }
-                None => Ok([0.0; 3]),
+                None => self.behind(camera, i as u32),
             })
             .collect::<Result<_>>()?;
         Ok(Image { width: camera.width, height: camera.height, rgb })
+    }
+
+    /// Radiance at a pixel whose ray meets no front face: the sky's, where nothing is in its way. Flatland has none above its plane.
+    fn behind(&self, camera: &Camera, pixel: u32) -> Result<[f32; 3]> {
+        let geometry = &self.geometry;
+        if geometry.flatland || !geometry.is_surfaceless() {
+            return Ok([0.0; 3]);
+        }
+        let direction = DVec3::from_array(camera.direction(pixel % camera.width, pixel / camera.width)).normalize_or_zero().as_vec3();
+        let origin = DVec3::from_array(geometry.to_local(camera.eye)).as_vec3();
+        if occluded(geometry, &Ray { origin, direction, t_max: f32::MAX, skip: [NONE; 2] }) {
+            return Ok([0.0; 3]);
+        }
+        let (x, y) = (pixel % camera.width, pixel / camera.width);
+        let wide = lights::radiance(geometry, direction).map(|l| l / geometry.emission_scale);
+        narrow(wide, || format!("the sky at pixel {x},{y}"))
     }
 }
 

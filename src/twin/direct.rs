@@ -6,6 +6,7 @@
 //! hardly ever meet one, and none are shot: n_c is 0, and a sample counts at most [`FAR`] E / n_e.
 
 use super::emit::first_hit;
+use super::lights::surfaceless;
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
 use super::sobol::sobol4;
 use super::trace::{Hit, place_on, position, segment_blocked};
@@ -136,9 +137,12 @@ fn is_near(geometry: &Geometry, p: Vec3) -> bool {
 
 /// One round's estimate of D at a surface point.
 pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samples: Samples) -> Vec3 {
-    let samples = Samples { cosine: if is_near(geometry, p) { samples.cosine } else { 0 }, ..samples };
     let n = Vec3::from(geometry.tris[tri as usize].normal);
-    let mut sum = Vec3::ZERO;
+    let mut sum = surfaceless(geometry, tri, p, seed, round, samples);
+    if geometry.emitters.is_empty() {
+        return sum;
+    }
+    let samples = Samples { cosine: if is_near(geometry, p) { samples.cosine } else { 0 }, ..samples };
     for k in round * samples.emitter..(round + 1) * samples.emitter {
         let u = sobol4(k, seed);
         sum += from_emitter(geometry, tri, p, u[0], u[1], samples);
@@ -167,7 +171,7 @@ pub fn direct(
     samples: Samples,
     sums: &mut [DirectSum],
 ) {
-    if geometry.emitters.is_empty() {
+    if !geometry.shines() {
         for &i in active {
             sums[i as usize].rounds += rounds;
         }

@@ -92,10 +92,8 @@ impl Engine for TwinEngine<'_> {
     ) -> Result<()> {
         batch.direct.resize(batch.points.len(), DirectSum::default());
         let all: Vec<u32> = (0..batch.points.len() as u32).collect();
-        if self.geometry.occludes && !self.geometry.emitters.is_empty() {
-            let points = active.map_or(all.len(), <[u32]>::len);
-            self.shadow_rays += points as u64 * u64::from(rounds) * u64::from(samples.emitter);
-        }
+        let points = active.map_or(all.len(), <[u32]>::len) as u64;
+        self.shadow_rays += points * u64::from(rounds) * super::lights::shadow_rays(self.geometry, samples);
         super::direct::direct(
             self.geometry,
             &batch.points,

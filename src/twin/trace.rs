@@ -208,6 +208,12 @@ pub fn segment_blocked(geometry: &Geometry, a: Vec3, b: Vec3, skip: [u32; 2]) ->
     geometry.occludes && occluded(geometry, &Ray { origin: a, direction: b - a, t_max: 1.0, skip })
 }
 
+/// Whether anything stands in the way from a surface point of piece `plane`, up to `t_max` times the direction's length. In a
+/// convex scene, too: what comes from without may be blocked by a closed room's wall.
+pub fn ray_blocked(geometry: &Geometry, p: Vec3, direction: Vec3, t_max: f32, plane: u32) -> bool {
+    occluded(geometry, &Ray { origin: p, direction, t_max, skip: [plane, NONE] })
+}
+
 /// The tile of a triangle that holds barycentric coordinates (b1, b2). Rows run along b1; row i has
 /// `2(split - i) - 1` tiles, lower and upper triangles in turn. In flatland tiles follow one another along the segment.
 pub fn tile_of(flatland: bool, tri: &Tri, b1: f32, b2: f32) -> u32 {

@@ -1,8 +1,9 @@
-//! glTF 2.0, as text (`.gltf`) and binary (`.glb`): meshes, instances, diffuse and emitting materials, cameras.
+//! glTF 2.0, as text (`.gltf`) and binary (`.glb`): meshes, instances, diffuse and emitting materials, cameras, lights.
 //!
 //! The `gltf` crate reads and validates the JSON; the buffers are read in [`buffers`].
 
 mod buffers;
+mod lights;
 mod materials;
 
 use super::load::Reader;
@@ -23,6 +24,7 @@ use std::path::Path;
 
 /// Extensions that are read, or change nothing for diffuse light.
 const HARMLESS: &[&str] = &[
+    "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -170,6 +172,7 @@ impl Read<'_> {
             let from = From::end(&self.scene);
             self.mesh(n, node, reader)?;
             self.camera(n, node);
+            lights::light(root, n, node, &mut self.scene, &mut self.unread);
             transform::apply(&mut self.scene, from, matrix);
             if let Some(i) = self.scene.vertices[from.vertices..].iter().position(|v| !fits(v)) {
                 let place = format!("{}: nodes[{n}]", self.path.display());

@@ -19,6 +19,9 @@ pub struct Document {
     pub material: Vec<Spanned<Material>>,
     #[serde(default)]
     pub camera: Vec<Spanned<Camera>>,
+    #[serde(default)]
+    pub light: Vec<Spanned<Light>>,
+    pub environment: Option<Spanned<Environment>>,
 }
 
 /// Another scene file, and where it stands.
@@ -103,6 +106,41 @@ pub struct Camera {
     pub width: u32,
     #[serde(default = "pixels")]
     pub height: u32,
+}
+
+/// A light without a surface.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Light {
+    pub name: String,
+    pub kind: LightKind,
+    pub irradiance: Option<Values>,
+    pub intensity: Option<Values>,
+    pub position: Option<[f64; 3]>,
+    pub direction: Option<[f64; 3]>,
+    pub target: Option<[f64; 3]>,
+    pub angle: Option<f64>,
+    pub inner: Option<f64>,
+    pub outer: Option<f64>,
+}
+
+/// How it shines.
+#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LightKind {
+    Sun,
+    Point,
+    Spot,
+}
+
+/// What is around the scene.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Environment {
+    pub radiance: Option<Values>,
+    pub radiosity: Option<Values>,
+    pub map: Option<String>,
+    pub rotation: Option<f64>,
 }
 
 /// One number for all three, or three.

@@ -1,6 +1,7 @@
 //! `.toml` scenes: files put together and placed, meshes written out, materials by name, cameras.
 
 mod document;
+mod lights;
 
 use super::load::{Kind, Reader, Up, kind, place};
 use super::mtl::{GREY, not_quite_one};
@@ -94,6 +95,13 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
             solution::Camera { eye: c.eye, target: c.target, up, vfov_degrees: c.vfov, width: c.width, height: c.height };
         camera.check().map_err(|e| at.fault(entry.span(), &format!("camera '{}' cannot be used: {e}", c.name)))?;
         scene.cameras.push(View { name: c.name.clone(), camera });
+    }
+    for entry in &document.light {
+        let light = lights::light(&at, entry.span(), entry.as_ref(), scene.is_flatland())?;
+        scene.lights.push(light);
+    }
+    if let Some(entry) = &document.environment {
+        scene.environment = Some(lights::environment(&at, entry.span(), entry.as_ref(), scene.is_flatland(), reader)?);
     }
     Ok(scene)
 }
@@ -189,6 +197,7 @@ fn file(
     scene.material_places.extend(part.material_places);
     scene.objects.extend(part.objects);
     scene.cameras.extend(part.cameras);
+    scene.lights.extend(part.lights);
     scene.warnings.extend(part.warnings);
     Ok(())
 }
