@@ -1,8 +1,10 @@
-//! Which sides light meets: paths from the emitters, diffuse from front to front, ended by a back.
+//! Which sides light meets: paths from emitters, points and spots, diffuse from front to front, ended by a back.
 
 use super::mesh::Mesh;
 use super::rays::{Dice, Sight};
-use crate::twin::math::invert_cdf;
+use crate::layout::NONE;
+use crate::scene::Geometry;
+use crate::twin::math::{cos_sin_turn, invert_cdf};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -26,13 +28,26 @@ pub fn meet(mesh: &Mesh) -> Met {
     let counters = || -> Vec<AtomicU32> { mesh.patch_area.iter().map(|_| AtomicU32::new(0)).collect() };
     let (front, back) = (counters(), counters());
     let emitters = &mesh.geometry.emitters;
-    let paths = if emitters.is_empty() { 0 } else { PATHS };
+    let sources = sources(mesh.geometry);
+    let paths = if sources.is_empty() { 0 } else { PATHS };
     (0..paths).into_par_iter().for_each(|i| {
         let mut dice = Dice::new(1, i);
-        // Emitters by power, evenly along the distribution.
-        let u = ((i as f64 + dice.roll() as f64) / paths as f64 * 4294967296.0) as u32;
-        let tri = emitters[invert_cdf(emitters.len() as u32, |e| emitters[e as usize].cdf, u).0 as usize].tri;
-        let (mut sight, mut at) = mesh.look_from(tri, true, &mut dice);
+        let source = sources[i as usize % sources.len()];
+        let (mut sight, mut at) = match source {
+            Source::Emitters => {
+                // By power, evenly along the distribution.
+                let u = ((i as f64 + dice.roll() as f64) / paths as f64 * 4294967296.0) as u32;
+                let tri = emitters[invert_cdf(emitters.len() as u32, |e| emitters[e as usize].cdf, u).0 as usize].tri;
+                mesh.look_from(tri, true, &mut dice)
+            }
+            Source::Point(p) => {
+                let way = any_way(&mut dice);
+                match mesh.look(p, way, NONE) {
+                    Sight::Void => (Sight::Void, p),
+                    sight @ (Sight::Front(_, t) | Sight::Back(_, t)) => (sight, p + way * t),
+                }
+            }
+        };
         for _ in 0..LENGTH {
             match sight {
                 Sight::Void => return,
@@ -53,4 +68,27 @@ pub fn meet(mesh: &Mesh) -> Met {
     });
     let counts = |c: Vec<AtomicU32>| c.into_iter().map(AtomicU32::into_inner).collect();
     Met { front: counts(front), back: counts(back) }
+}
+
+/// Where light comes from; each is as likely as another. Sky and suns tell nothing of winding: a room's walls turn their backs to
+/// what is outside, and are right.
+#[derive(Clone, Copy)]
+enum Source {
+    Emitters,
+    /// A point or spot light's place, local; all ways alike.
+    Point(Vec3),
+}
+
+fn sources(geometry: &Geometry) -> Vec<Source> {
+    let emitters = (!geometry.emitters.is_empty()).then_some(Source::Emitters);
+    let points = &geometry.lights.all[geometry.lights.suns as usize..];
+    emitters.into_iter().chain(points.iter().map(|l| Source::Point(l.p.into()))).collect()
+}
+
+/// A direction, all alike.
+fn any_way(dice: &mut Dice) -> Vec3 {
+    let (u, v) = (2.0 * dice.roll() - 1.0, dice.roll());
+    let (c, s) = cos_sin_turn(v);
+    let flat = (1.0 - u * u).max(0.0).sqrt();
+    Vec3::new(flat * c, flat * s, u)
 }

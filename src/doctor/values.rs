@@ -75,7 +75,7 @@ pub fn far(scene: &Scene, geometry: &Geometry) -> Option<Finding> {
 
 /// A scene in which nothing shines.
 pub fn no_emitter(scene: &Scene, geometry: &Geometry) -> Option<Finding> {
-    geometry.emitters.is_empty().then(|| {
+    (!geometry.shines()).then(|| {
         let message = format!("{}: 0 of {} {} emit, all will be black", scene.name, geometry.tris.len(), faces(scene)[1]);
         let cure = match scene.is_flatland() {
             false => "give the lamp's material an emission: Ke in the .mtl, W/m2/sr, as `Ke 10 10 10`",

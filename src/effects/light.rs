@@ -5,7 +5,9 @@ use crate::network::tiles;
 use crate::scene::Geometry;
 use crate::twin::direct::{Samples, from_emitter, round};
 use crate::twin::emit::first_hit;
+use crate::twin::lights::{from_lights, surfaceless};
 use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
+use crate::twin::sky::from_sky;
 use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_on, position, segment_blocked};
 use glam::Vec3;
@@ -31,6 +33,10 @@ pub(crate) struct Look {
     pub lines: u32,
     /// Share of the arriving light that has been reflected before.
     pub reflected: f64,
+    /// Share of the light that arrives straight which comes from the sky, and from lights without a surface.
+    pub sky: f64,
+    /// See `sky`.
+    pub lights: f64,
     /// Reflections after which less than a thousandth of the arriving light is still to come.
     pub bounces: usize,
 }
@@ -39,6 +45,8 @@ pub(crate) struct Look {
 struct Path {
     /// Whether a line to an emitter would carry light, and whether it is blocked.
     line: Option<bool>,
+    /// What of the light that arrives straight comes from the sky and from lights without a surface.
+    surfaceless: [f32; 2],
     /// Light that arrives after so many reflections, mean over the bands.
     light: [f32; BOUNCES + 1],
 }
@@ -46,7 +54,7 @@ struct Path {
 impl Look {
     /// Looks at a scene.
     pub fn at(geometry: &Geometry) -> Look {
-        if geometry.emitters.is_empty() || geometry.area <= 0.0 {
+        if !geometry.shines() || geometry.area <= 0.0 {
             return Look::default();
         }
         let starts = tiles::starts(geometry, &vec![0.0; geometry.tiles as usize], 0.0);
@@ -68,7 +76,9 @@ impl Look {
             left -= light;
             left < LEFT * all
         });
-        Look { reflected: 1.0 - by_bounce[0] / all, bounces: bounces.unwrap_or(BOUNCES), ..seen }
+        let share = |of: usize| paths.iter().map(|p| f64::from(p.surfaceless[of])).sum::<f64>() / by_bounce[0].max(f64::MIN_POSITIVE);
+        let reflected = 1.0 - by_bounce[0] / all;
+        Look { reflected, bounces: bounces.unwrap_or(BOUNCES), sky: share(0), lights: share(1), ..seen }
     }
 }
 
@@ -77,6 +87,13 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
     let line = line(geometry, tri, p, sobol4(i, seed_of(SEED, 1)));
     let mut light = [0.0; BOUNCES + 1];
     light[0] = mean(round(geometry, tri, p, seed_of(SEED, i), 0, END));
+    let mut surfaceless = [0.0; 2];
+    if !geometry.sky.is_empty() {
+        surfaceless[0] = mean(from_sky(geometry, tri, p, seed_of(SEED, i), 0, END));
+    }
+    if !geometry.lights.is_empty() {
+        surfaceless[1] = mean(from_lights(geometry, tri, p, seed_of(SEED, i), 0, END));
+    }
     let mut through = Vec3::ONE;
     for (n, arrived) in light.iter_mut().enumerate().skip(1) {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32));
@@ -95,7 +112,7 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32 + 1));
         *arrived = mean(through * direct(geometry, tri, p, u));
     }
-    Path { line, light }
+    Path { line, surfaceless, light }
 }
 
 /// Direct light at a path's later ends: one sample of the emitters, and one direction.
@@ -103,7 +120,11 @@ fn direct(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Vec3 {
     let one = Samples { emitter: 1, cosine: 1 };
     let n = Vec3::from(geometry.tris[tri as usize].normal);
     let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
-    let mut light = from_emitter(geometry, tri, p, u[0], u[1], one);
+    let mut light = surfaceless(geometry, tri, p, u[3], 0, one);
+    if geometry.emitters.is_empty() {
+        return light;
+    }
+    light += from_emitter(geometry, tri, p, u[0], u[1], one);
     let (met, hit) = first_hit(geometry, tri, p, direction);
     if met == kind::FRONT {
         light += crate::twin::direct::from_direction(geometry, n, direction, &hit, one);
@@ -113,6 +134,9 @@ fn direct(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Vec3 {
 
 /// Whether something stands between a point and a place on an emitter that face each other; none where they do not.
 fn line(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Option<bool> {
+    if geometry.emitters.is_empty() {
+        return None;
+    }
     let here = &geometry.tris[tri as usize];
     let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
     let there = &geometry.tris[geometry.emitters[e as usize].tri as usize];

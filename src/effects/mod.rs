@@ -5,6 +5,7 @@
 
 mod colour;
 mod light;
+mod lights;
 mod names;
 mod occlusion;
 mod switches;
@@ -41,8 +42,8 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
             Name::TwoSided => two_sided(geometry),
             Name::Flatland => flatland(geometry),
             Name::Textures => unread(scene, name, &["map_Kd", "map_Ke", "texture"]),
-            Name::Environment => unread(scene, name, &["environment", "sky"]),
-            Name::Lights => unread(scene, name, &["KHR_lights_punctual", "point light"]),
+            Name::Environment => lights::environment(scene, geometry, &look),
+            Name::Lights => lights::lights(scene, geometry, &look),
             Name::Mirrors => unread(scene, name, &["Ks", "Ns", "illum", "metallic", "roughness"]),
             Name::Transparency => unread(scene, name, &["map_d", "Tr", "Tf", "Ni", "alphaMode", "transmission"]),
             Name::Medium => unread(scene, name, &["medium", "fog"]),
@@ -87,8 +88,18 @@ fn percent(x: f64) -> String {
 fn direct(geometry: &Geometry, look: &Look) -> EffectReport {
     let shining = geometry.emitters.len();
     let sort = if geometry.flatland { "segment" } else { "triangle" };
-    if shining == 0 {
+    if !geometry.shines() {
         return told(Name::Direct, false, "nothing shines: all is dark (give a material a Ke)".into(), "nothing");
+    }
+    let cost = "shadow rays at every ray's ends and at every point shown";
+    if geometry.is_surfaceless() {
+        let straight = percent(1.0 - look.reflected);
+        let why = format!(
+            "{shining} {sort}{} shine{}, and there is light without a surface; {straight} of all light comes straight from them",
+            if shining == 1 { "" } else { "s" },
+            if shining == 1 { "s" } else { "" },
+        );
+        return told(Name::Direct, true, why, cost);
     }
     let why = format!(
         "{shining} {sort}{} shine{}; {} of all light comes straight from them",
@@ -96,7 +107,7 @@ fn direct(geometry: &Geometry, look: &Look) -> EffectReport {
         if shining == 1 { "s" } else { "" },
         percent(1.0 - look.reflected),
     );
-    told(Name::Direct, true, why, "shadow rays at every ray's ends and at every point shown")
+    told(Name::Direct, true, why, cost)
 }
 
 fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectReport {
@@ -105,7 +116,7 @@ fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectRep
     let Some(most) = most.filter(|m| rho(m) > 0.0) else {
         return told(Name::Interreflection, false, "no surface reflects: all light is direct".into(), "nothing");
     };
-    if geometry.emitters.is_empty() {
+    if !geometry.shines() {
         return told(Name::Interreflection, false, "nothing shines: there is nothing to reflect".into(), "nothing");
     }
     let why = format!(

@@ -12,7 +12,11 @@ const COST: &str = "a walk through the hierarchy for every shadow ray";
 pub(super) fn occlusion(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectReport {
     if !geometry.occludes {
         let why = "the scene is convex: no surface lies behind another's plane, so nothing can stand in light's way";
-        return told(Name::Occlusion, false, why.into(), "nothing: no shadow ray is cast");
+        let cost = match geometry.is_surfaceless() {
+            false => "nothing: no shadow ray is cast",
+            true => "shadow rays to lights and the sky only, which may be without",
+        };
+        return told(Name::Occlusion, false, why.into(), cost);
     }
     if scene.effects.asked(Name::Occlusion) == Some(true) {
         return told(Name::Occlusion, true, "asked on".into(), COST);
