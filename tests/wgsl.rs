@@ -54,7 +54,7 @@ fn kernels_validate_within_the_budget() {
         assert_eq!(entry.workgroup_size, [raycell::gpu::kernel::WORKGROUP, 1, 1], "{kernel}");
 
         // Binding 0 is the uniform; storage buffers follow without a gap.
-        let (mut bindings, mut textures) = (BTreeSet::new(), 0);
+        let (mut bindings, mut effects, mut textures) = (BTreeSet::new(), BTreeSet::new(), 0);
         for (_, var) in module.global_variables.iter() {
             let Some(binding) = &var.binding else {
                 continue;
@@ -63,7 +63,8 @@ fn kernels_validate_within_the_budget() {
             match var.space {
                 naga::AddressSpace::Uniform => assert_eq!(binding.binding, 0, "{kernel}"),
                 naga::AddressSpace::Storage { .. } => assert!(bindings.insert(binding.binding), "{kernel}"),
-                // A scene's records, where they are paged.
+                // An effect's data, beyond the buffers; and a scene's records, where they are paged.
+                naga::AddressSpace::Handle if binding.binding > 8 => assert!(effects.insert(binding.binding), "{kernel}"),
                 naga::AddressSpace::Handle if paged => {
                     assert!(bindings.insert(binding.binding), "{kernel}");
                     textures += 1;
@@ -73,6 +74,7 @@ fn kernels_validate_within_the_budget() {
         }
         assert!(bindings.len() <= 8, "{kernel} binds {} storage buffers", bindings.len());
         assert_eq!(bindings, (1..=bindings.len() as u32).collect(), "{kernel}");
+        assert!(effects.iter().copied().eq(9..9 + effects.len() as u32), "{kernel}: {effects:?}");
         // Every binding of triangles or boxes is paged together with the module that reads it.
         let records = composed.source.matches("array<Tri>;").count() + composed.source.matches("array<BvhNode>;").count();
         assert!(!paged || records == 0, "{kernel}");
@@ -134,6 +136,7 @@ fn records_match() {
         ("Tri", layout!(layout::Tri { v0, material, v1, plane, v2, first_tile, normal, split })),
         ("Material", layout!(layout::Material { rho, pad0, emit, pad1 })),
         ("Emitter", layout!(layout::Emitter { tri, cdf, density, near2 })),
+        ("Light", layout!(layout::Light { p, slope, value, offset, d, pad0 })),
         ("Tile", layout!(layout::Tile { cdf, density })),
         ("Point", layout!(layout::Point { p, tri, tile, kind, weight, density })),
         ("Node", layout!(layout::Node { p, material, n, plane, mean, gain, clear })),

@@ -3,6 +3,8 @@
 #import surface
 #import sobol
 #import invert
+#import sky
+#import lights
 
 struct Params {
     base: u32,
@@ -28,6 +30,9 @@ struct Params {
 @group(0) @binding(6) var<storage, read> active_points: array<u32>;
 @group(0) @binding(7) var<storage, read_write> sums: array<DirectSum>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+// What no surface sends (lib/sky.wgsl, lib/lights.wgsl).
+@group(0) @binding(9) var sky: texture_2d_array<u32>;
+@group(0) @binding(10) var lights: texture_2d_array<u32>;
 
 fn cdf(i: u32) -> u32 {
     return emitters[i].cdf;
@@ -89,12 +94,41 @@ fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     return vec3<f32>();
 }
 
+// Rounds of what no surface sends, where no surface shines.
+fn surfaceless_only(i: u32) {
+    let tri = points[i].tri;
+    if tri == NONE {
+        return;
+    }
+    let seed = seed_of(params.seed, i);
+    var sum = sums[i].sum;
+    var square = sums[i].square;
+    var r = params.first;
+    for (; r < params.first + params.rounds; r++) {
+        let d = surfaceless(tri, points[i].p, seed, r, params.emitter, params.cosine);
+        let mean = (d.x + d.y + d.z) * (1.0 / 3.0);
+        sum += d;
+        square += mean * mean;
+    }
+    unfinished = unfinished || r < params.first + params.rounds;
+    sums[i].sum = sum;
+    sums[i].square = square;
+    sums[i].rounds += params.rounds;
+    finish();
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if gid.x >= params.count {
         return;
     }
     let i = active_points[params.base + gid.x];
+    if SURFACELESS {
+        if params.emitters == 0u {
+            surfaceless_only(i);
+            return;
+        }
+    }
     if params.emitters == 0u {
         sums[i].rounds += params.rounds;
         return;
@@ -111,6 +145,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     var r = params.first;
     for (; r < params.first + params.rounds; r++) {
         var d = vec3<f32>();
+        if SURFACELESS {
+            d = surfaceless(tri, p, seed, r, params.emitter, params.cosine);
+        }
         var k = r * params.emitter;
         for (; k < (r + 1u) * params.emitter; k++) {
             d += area_sample(k, seed, tri, p, cosine);

@@ -140,8 +140,21 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     let scene = scene::load(&flags.scene, &flags.reading, &mut log.borrow_mut(), &stop)?;
     let camera = scene::camera(camera, flags.camera.view.as_deref(), &scene)?;
     let default = Sizes::of(scene.is_flatland());
+    let mut kinds: Vec<Kind> = flags.methods.iter().map(|m| m.kind()).collect();
+    if !scene.lights.is_empty() || scene.environment.is_some() {
+        let all = kinds.len();
+        kinds.retain(|k| !matches!(k, Kind::NetworkDirect | Kind::Paper));
+        if kinds.is_empty() {
+            let range = "lights without a surface, and the sky, are no end of a ray that these could learn: add another method";
+            return Err(Error::InvalidParam { name: "methods", value: "network-direct, paper".into(), range }.into());
+        }
+        if kinds.len() < all {
+            let what = "network-direct and paper are left out: they know no light without a surface, and the scene has some";
+            log.borrow_mut().warning(what);
+        }
+    }
     let options = Options {
-        kinds: flags.methods.iter().map(|m| m.kind()).collect(),
+        kinds,
         sizes: Sizes {
             rays: sorted(flags.rays, default.rays),
             patches: sorted(flags.patches, default.patches),

@@ -76,7 +76,8 @@ impl Look {
             left -= light;
             left < LEFT * all
         });
-        let share = |of: usize| paths.iter().map(|p| f64::from(p.surfaceless[of])).sum::<f64>() / by_bounce[0].max(f64::MIN_POSITIVE);
+        let share =
+            |of: usize| paths.iter().map(|p| f64::from(p.surfaceless[of])).sum::<f64>() / by_bounce[0].max(f64::MIN_POSITIVE);
         let reflected = 1.0 - by_bounce[0] / all;
         Look { reflected, bounces: bounces.unwrap_or(BOUNCES), sky: share(0), lights: share(1), ..seen }
     }

@@ -1,7 +1,7 @@
 //! Light that comes from no surface: the environment, and lights.
 
 use super::light::Look;
-use super::{Name, percent, told};
+use super::{Name, percent, shared, told};
 use crate::output::report::EffectReport;
 use crate::scene::{Geometry, LightKind, Scene};
 
@@ -11,16 +11,18 @@ pub(super) fn environment(scene: &Scene, geometry: &Geometry, look: &Look) -> Ef
         return told(Name::Environment, false, "around the scene all is black".into(), "nothing");
     };
     let share = percent(look.sky);
-    match &environment.map {
+    let effect = match &environment.map {
         None => {
             let why = format!("the sky has one radiance and brings {share} of the direct light");
             told(Name::Environment, true, why, "a shadow ray a sample of direct light, more where it is half hidden")
         }
         Some(map) => {
-            let why = format!("the sky is a map of {} by {} texels and brings {share} of the direct light", map.width, map.height);
+            let why =
+                format!("the sky is a map of {} by {} texels and brings {share} of the direct light", map.width, map.height);
             told(Name::Environment, true, why, "shadow rays by its radiance and by cosines; 16 bytes a texel on the device")
         }
-    }
+    };
+    shared(effect, look.sky * (1.0 - look.reflected))
 }
 
 /// Lights without a surface.
@@ -40,5 +42,6 @@ pub(super) fn lights(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectR
     let sorts = sorts.into_iter().flatten().collect::<Vec<_>>().join(", ");
     let first = scene.lights.iter().find(|l| l.intensity != [0.0; 3]).map_or("", |l| &l.name);
     let why = format!("{sorts} (see '{first}'); {} of the direct light", percent(look.lights));
-    told(Name::Lights, true, why, "a shadow ray a round for each point and spot, up to 8, and some for each sun")
+    let effect = told(Name::Lights, true, why, "a shadow ray a round for each point and spot, up to 8, and some for each sun");
+    shared(effect, look.lights * (1.0 - look.reflected))
 }

@@ -102,6 +102,28 @@ fn switch(scene: &mut Scene, name: Name, on: bool, there: bool) -> Result<()> {
                 m.reflectance = [m.reflectance.iter().sum::<f64>() / 3.0; 3];
                 m.emission = [m.emission.iter().sum::<f64>() / 3.0; 3];
             }
+            for light in &mut scene.lights {
+                light.intensity = [light.intensity.iter().sum::<f64>() / 3.0; 3];
+            }
+            if let Some(around) = &mut scene.environment {
+                // The product of both is what is seen.
+                match &mut around.map {
+                    Some(map) => {
+                        let factor = around.radiance.map(|x| x as f32);
+                        map.rgb.iter_mut().for_each(|c| *c = [(0..3).map(|k| c[k] * factor[k]).sum::<f32>() / 3.0; 3]);
+                        around.radiance = [1.0; 3];
+                    }
+                    None => around.radiance = [around.radiance.iter().sum::<f64>() / 3.0; 3],
+                }
+            }
+            Ok(())
+        }
+        (Name::Environment, false) => {
+            scene.environment = None;
+            Ok(())
+        }
+        (Name::Lights, false) => {
+            scene.lights.clear();
             Ok(())
         }
         (Name::Direct | Name::TwoSided | Name::Flatland, false) => refused("the scene is made of it; change the scene instead"),

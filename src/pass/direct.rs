@@ -8,6 +8,8 @@ use crate::twin::direct::Samples;
 
 /// Rays that an invocation may shoot in a dispatch, unless a single round takes more.
 const RAYS: u32 = 16;
+/// Lights that cost as much as a ray.
+const LIGHTS_A_RAY: u32 = 64;
 
 params!(
     /// Parameters of `wgsl/direct.wgsl`.
@@ -37,7 +39,18 @@ params!(
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "direct",
-    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+    &[
+        Access::Scene,
+        Access::Scene,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Write,
+        Access::Write,
+        Access::Texels,
+        Access::Texels,
+    ],
 );
 
 /// Adds rounds `first..first + rounds` to the sums of the points listed in `active`.
@@ -53,7 +66,9 @@ pub fn direct(
     sums: &GpuVec<DirectSum>,
 ) -> Result<()> {
     let (emitter, cosine) = (samples.emitter, samples.cosine);
-    let rays = (emitter + cosine).max(1);
+    let more = scene.surfaceless.rays(samples) + scene.surfaceless.count() / LIGHTS_A_RAY;
+    let rays = (emitter + cosine + more).max(1);
+    let [sky, lights] = scene.surfaceless.bound();
     let buffers = [
         scene.nodes.bound(),
         scene.tris.bound(),
@@ -63,6 +78,8 @@ pub fn direct(
         active.bound(),
         sums.bound(),
         gpu.status().into(),
+        sky,
+        lights,
     ];
     // As many rounds a dispatch as keep an invocation short.
     let mut done = 0;

@@ -176,9 +176,9 @@ impl Engine for GpuEngine<'_> {
             Some(active) => self.gpu.upload("active", active)?,
             None => self.order(batch)?,
         };
-        if self.occludes {
-            self.shadow_rays += active.len() as u64 * u64::from(rounds) * u64::from(samples.emitter);
-        }
+        let to_emitters = if self.occludes { samples.emitter } else { 0 };
+        let shadow_rays = u64::from(to_emitters + self.scene.surfaceless.rays(samples));
+        self.shadow_rays += active.len() as u64 * u64::from(rounds) * shadow_rays;
         super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
     }
 

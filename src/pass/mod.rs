@@ -23,10 +23,12 @@ pub mod winner;
 pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
+use crate::gpu::{Access, Bound, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::{Called, Geometry, Scene, depth};
+use crate::scene::{Called, Geometry, Lights, Scene, depth};
 use crate::twin::assign::Surface;
+use crate::twin::direct::Samples;
+use crate::twin::lights;
 use crate::twin::trace::STACK;
 
 /// The kernels that bakes and read-outs use in any space, with the sentinel that comes first.
@@ -50,17 +52,30 @@ const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit:
 
 /// What sets the shaders to what a scene calls for.
 fn constants(called: &Called) -> Constants {
-    Constants::NONE.with("FLATLAND", called.flatland).with("OCCLUSION", called.occlusion)
+    Constants::NONE
+        .with("FLATLAND", called.flatland)
+        .with("OCCLUSION", called.occlusion)
+        .with("ENVIRONMENT", called.environment)
+        .with("ENVIRONMENT_MAP", called.environment_map)
+        .with("LIGHTS", called.lights)
+        .with("SURFACELESS", called.environment || called.lights)
 }
 
 /// Every kernel with every text and every set of constants that it may have.
 pub fn variants() -> Vec<Kernel> {
     let each = [false, true];
-    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion, grey: false }));
+    let none =
+        Called { flatland: false, occlusion: true, grey: false, environment: false, environment_map: false, lights: false };
+    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion, ..none }));
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
     let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
+    // What only direct light knows of.
+    let lit = [(true, false, false), (true, true, false), (false, false, true), (true, true, true)];
+    let lit = lit.map(|(environment, environment_map, lights)| Called { environment, environment_map, lights, ..none });
+    let lit = lit.into_iter().chain([Called { flatland: true, environment: true, ..none }]);
+    let lit = lit.map(|called| direct::KERNEL.with(constants(&called)));
     let grey = [jacobi::BETA, jacobi::UPDATE].map(|k| k.grey(true));
-    let all = KERNELS.iter().copied().chain(grey).chain(spatial);
+    let all = KERNELS.iter().copied().chain(grey).chain(spatial).chain(lit);
     all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
 }
 
@@ -105,6 +120,8 @@ pub struct SceneBuffers {
     pub emitters: GpuVec<Emitter>,
     /// Sampling density of an emitter per unit of its summed emission.
     pub emitter_density: f32,
+    /// Lights without a surface, and the sky.
+    pub(crate) surfaceless: Surfaceless,
     /// Triangle of each tile.
     pub tile_tri: GpuVec<u32>,
     /// What sets the shaders to what it calls for.
@@ -126,6 +143,7 @@ impl SceneBuffers {
             materials: gpu.upload("materials", &geometry.materials)?,
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
+            surfaceless: Surfaceless::new(gpu, geometry)?,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
             constants: constants(&Called::by(geometry)),
             paged,
@@ -140,6 +158,44 @@ impl SceneBuffers {
     /// A kernel that reads triangles, set to this scene's size.
     fn reader(&self, kernel: Kernel) -> Kernel {
         kernel.paged(self.paged)
+    }
+}
+
+/// What shines without a surface, on the device.
+#[derive(Clone, Debug)]
+pub(crate) struct Surfaceless {
+    sky: Option<Records<[u32; 4]>>,
+    lights: Option<Records<[u32; 4]>>,
+    /// The lights once more, and what sort of sky there is: they tell how many rays a round takes.
+    known: (Lights, Option<bool>),
+}
+
+impl Surfaceless {
+    fn new(gpu: &Gpu, geometry: &Geometry) -> Result<Surfaceless> {
+        let Geometry { sky, lights, .. } = geometry;
+        let mut texels = vec![[lights.suns, lights.all.len() as u32, 0, 0]];
+        texels.extend_from_slice(bytemuck::cast_slice(&lights.all));
+        let page = |label, texels: &[[u32; 4]], is: bool| is.then(|| Records::page(gpu, label, texels)).transpose();
+        Ok(Surfaceless {
+            sky: page("sky", &sky.texels, !sky.is_empty())?,
+            lights: page("lights", &texels, !lights.is_empty())?,
+            known: (lights.clone(), sky.mapped()),
+        })
+    }
+
+    /// What `direct` binds: the sky, and the lights.
+    fn bound(&self) -> [Bound; 2] {
+        [&self.sky, &self.lights].map(|records| records.as_ref().map_or(Bound::Absent, Records::bound))
+    }
+
+    /// Shadow rays of a round at a point.
+    pub fn rays(&self, samples: Samples) -> u32 {
+        lights::shadow_rays(&self.known.0, self.known.1, samples)
+    }
+
+    /// Lights that a round looks at.
+    fn count(&self) -> u32 {
+        self.known.0.all.len() as u32
     }
 }
 

@@ -63,13 +63,7 @@ impl Light {
     }
 
     /// A spot light of some radiant intensity on its axis, W/sr; both angles are from the axis, degrees.
-    pub fn spot(
-        name: &str,
-        intensity: [f64; 3],
-        position: [f64; 3],
-        direction: [f64; 3],
-        [inner, outer]: [f64; 2],
-    ) -> Light {
+    pub fn spot(name: &str, intensity: [f64; 3], position: [f64; 3], direction: [f64; 3], [inner, outer]: [f64; 2]) -> Light {
         Light { name: name.into(), intensity, kind: LightKind::Spot { position, direction, inner, outer } }
     }
 

@@ -7,6 +7,9 @@ use crate::layout;
 use glam::DVec3;
 use std::f64::consts::PI;
 
+/// Texels of a [`Sky`] before its rows.
+const HEAD: usize = 2;
+
 /// The environment, as four words a texel, on the device as in the twins; no texel at all where it is black.
 ///
 /// ```text
@@ -55,6 +58,21 @@ impl Sky {
     /// Whether it is black.
     pub fn is_empty(&self) -> bool {
         self.texels.is_empty()
+    }
+
+    /// Whether its bands are one.
+    pub fn is_grey(&self) -> bool {
+        let colours = match self.texels.first() {
+            Some(head) if head[0] > 0 => &self.texels[HEAD + head[1] as usize..],
+            Some(_) => &self.texels[1..],
+            None => &[],
+        };
+        colours.iter().all(|t| t[0] == t[1] && t[1] == t[2])
+    }
+
+    /// None where it is black, else whether it is a map.
+    pub fn mapped(&self) -> Option<bool> {
+        (!self.is_empty()).then(|| self.is_mapped())
     }
 
     /// Whether it differs with the direction.

@@ -165,9 +165,12 @@ mod tests {
             assert!((got - want).abs() <= want.max(100.0 / 256.0), "{got} {want}");
         }
         assert_eq!(read.rgb[0], rgb[0]);
-        for (bytes, name, part) in
-            [(&exr[..exr.len() / 2], "a.exr", "EXR"), (&hdr[..20], "a.hdr", "HDR"), (&exr, "a.png", "name it .exr"), (&hdr, "a.exr", "EXR")]
-        {
+        for (bytes, name, part) in [
+            (&exr[..exr.len() / 2], "a.exr", "EXR"),
+            (&hdr[..20], "a.hdr", "HDR"),
+            (&exr, "a.png", "name it .exr"),
+            (&hdr, "a.exr", "EXR"),
+        ] {
             let said = SkyMap::from_bytes(bytes, Path::new(name)).unwrap_err().to_string();
             assert!(said.contains(part) && said.contains(name), "{said}");
         }

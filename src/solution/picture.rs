@@ -169,7 +169,8 @@ impl Solution {
         if geometry.flatland || !geometry.is_surfaceless() {
             return Ok([0.0; 3]);
         }
-        let direction = DVec3::from_array(camera.direction(pixel % camera.width, pixel / camera.width)).normalize_or_zero().as_vec3();
+        let direction =
+            DVec3::from_array(camera.direction(pixel % camera.width, pixel / camera.width)).normalize_or_zero().as_vec3();
         let origin = DVec3::from_array(geometry.to_local(camera.eye)).as_vec3();
         if occluded(geometry, &Ray { origin, direction, t_max: f32::MAX, skip: [NONE; 2] }) {
             return Ok([0.0; 3]);

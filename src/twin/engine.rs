@@ -93,7 +93,10 @@ impl Engine for TwinEngine<'_> {
         batch.direct.resize(batch.points.len(), DirectSum::default());
         let all: Vec<u32> = (0..batch.points.len() as u32).collect();
         let points = active.map_or(all.len(), <[u32]>::len) as u64;
-        self.shadow_rays += points * u64::from(rounds) * super::lights::shadow_rays(self.geometry, samples);
+        let Geometry { lights, sky, .. } = self.geometry;
+        let to_emitters = if self.geometry.occludes && !self.geometry.emitters.is_empty() { samples.emitter } else { 0 };
+        let shadow_rays = to_emitters + super::lights::shadow_rays(lights, sky.mapped(), samples);
+        self.shadow_rays += points * u64::from(rounds) * u64::from(shadow_rays);
         super::direct::direct(
             self.geometry,
             &batch.points,

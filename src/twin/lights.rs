@@ -10,7 +10,7 @@ use super::sky::from_sky;
 use super::sobol::sobol4;
 use super::trace::ray_blocked;
 use crate::layout::Light;
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Lights};
 use glam::Vec3;
 
 /// Points and spots that a round asks; where there are no more, all.
@@ -35,18 +35,11 @@ pub fn sun_rays(slope: f32, samples: Samples) -> u32 {
     if slope > 0.0 { (samples.emitter / 4).max(1) } else { 1 }
 }
 
-/// Shadow rays of a round at a point, those that carry no light counted too: to emitters, lights and the sky.
-pub(crate) fn shadow_rays(geometry: &Geometry, samples: Samples) -> u64 {
-    let emitters = if geometry.occludes && !geometry.emitters.is_empty() { samples.emitter } else { 0 };
-    u64::from(emitters + rays(geometry, samples))
-}
-
-/// Shadow rays of lights and sky in a round at a point, at most.
-pub(crate) fn rays(geometry: &Geometry, samples: Samples) -> u32 {
-    let lights = &geometry.lights;
+/// Shadow rays of a round at a point to lights and to a sky (none, constant, or a map), those that carry no light counted too.
+pub(crate) fn shadow_rays(lights: &Lights, mapped: Option<bool>, samples: Samples) -> u32 {
     let suns: u32 = lights.all[..lights.suns as usize].iter().map(|l| sun_rays(l.slope, samples)).sum();
     let local = (lights.all.len() as u32 - lights.suns).min(FEW);
-    let sky = if geometry.sky.is_empty() { 0 } else { super::sky::samples_of(geometry.sky.is_mapped(), samples).iter().sum() };
+    let sky = mapped.map_or(0, |mapped| super::sky::samples_of(mapped, samples).iter().sum());
     sky + suns + local
 }
 

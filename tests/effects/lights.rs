@@ -120,7 +120,9 @@ fn a_spot_has_the_cone_it_is_given() {
     }
     // Without a soft edge: all inside, nothing outside.
     let hard = Light::spot("spot", [1.0; 3], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [30.0, 30.0]);
-    let at = |d: f64| direct(&lit(floor(0.5), vec![hard.clone()]), &[SurfacePoint { p: [d.to_radians().tan(), 0.0, 0.0], n: UP }], 1)[0][0];
+    let at = |d: f64| {
+        direct(&lit(floor(0.5), vec![hard.clone()]), &[SurfacePoint { p: [d.to_radians().tan(), 0.0, 0.0], n: UP }], 1)[0][0]
+    };
     assert!(near([at(29.8); 3], [29.8f64.to_radians().cos().powi(3); 3], 1e-3) && at(30.2) == 0.0);
 }
 
@@ -163,7 +165,9 @@ fn shader_and_twin_see_the_same_lights() {
     let sharp = Light { kind: LightKind::Sun { direction: [0.1, -1.0, -0.2], angle: 0.0 }, ..court.lights[0].clone() };
     same_on_the_device(&lit(court.clone(), vec![sharp]), "a sharp sun");
     let above = |l: Light| match l.kind {
-        LightKind::Point { position: [x, y, z] } => Light { kind: LightKind::Point { position: [5.0 + 3.0 * x, y + 1.0, 5.0 + 3.0 * z] }, ..l },
+        LightKind::Point { position: [x, y, z] } => {
+            Light { kind: LightKind::Point { position: [5.0 + 3.0 * x, y + 1.0, 5.0 + 3.0 * z] }, ..l }
+        }
         _ => l,
     };
     same_on_the_device(&lit(court.clone(), many(40).into_iter().map(above).collect()), "many points");
@@ -236,7 +240,10 @@ fn gltf_has_words_for_them() {
     assert_eq!((sun.name.as_str(), sun.intensity), ("sun", [8.0, 4.0, 2.0]));
     let LightKind::Sun { direction, angle } = sun.kind else { panic!("{sun:?}") };
     assert!(angle == 0.0 && direction[1] < -0.999_999, "{direction:?}");
-    assert_eq!((bulb.name.as_str(), bulb.intensity, bulb.kind), ("bulb", [2.0; 3], LightKind::Point { position: [0.5, 1.0, 0.5] }));
+    assert_eq!(
+        (bulb.name.as_str(), bulb.intensity, bulb.kind),
+        ("bulb", [2.0; 3], LightKind::Point { position: [0.5, 1.0, 0.5] })
+    );
     let LightKind::Spot { position, direction, inner, outer } = beam.kind else { panic!("{beam:?}") };
     assert!(position == [0.0, 2.0, 0.0] && direction[2] < 0.0, "{beam:?}");
     assert!((inner - 0.25f64.to_degrees()).abs() < 1e-5 && (outer - 0.5f64.to_degrees()).abs() < 1e-5);

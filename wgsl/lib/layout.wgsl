@@ -45,6 +45,16 @@ struct Emitter {
     near2: f32, // square of the distance from its first corner beyond which it is far
 }
 
+// A light without a surface: a sun, or a point or spot light.
+struct Light {
+    p: vec3<f32>, // the unit direction towards a sun, or the position
+    slope: f32, // sine of half a sun's diameter; a spot's 1/(cos inner - cos outer)
+    value: vec3<f32>, // irradiance, or radiant intensity
+    offset: f32, // a spot's -cos outer times slope, 1 of a point
+    d: vec3<f32>, // a spot's axis
+    pad0: u32,
+}
+
 struct Tile {
     cdf: u32,
     density: f32,

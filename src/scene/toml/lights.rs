@@ -29,7 +29,10 @@ pub fn light(at: &Place, span: Range<usize>, entry: &document::Light, flatland: 
     };
     let (sent, kind) = match entry.kind {
         LightKind::Sun => {
-            only(entry.position.is_some() || entry.target.is_some(), "is a sun, which stands nowhere: leave position and target out")?;
+            only(
+                entry.position.is_some() || entry.target.is_some(),
+                "is a sun, which stands nowhere: leave position and target out",
+            )?;
             only(entry.intensity.is_some(), "is a sun: give its irradiance, W/m2, on a surface that faces it")?;
             let angle = entry.angle.unwrap_or(SUN_ANGLE);
             (entry.irradiance, scene::LightKind::Sun { direction: direction()?, angle })
