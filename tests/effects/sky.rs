@@ -4,7 +4,7 @@ use crate::common::{gpu, root, rrmse};
 use raycell::engine::Engine;
 use raycell::layout::{DirectSum, Point};
 use raycell::pass::GpuEngine;
-use raycell::scene::{Environment, Geometry, Light, LightKind, Material, SkyMap, shapes};
+use raycell::scene::{Called, Environment, Geometry, Light, LightKind, Material, SkyMap, shapes};
 use raycell::twin::TwinEngine;
 use raycell::twin::direct::Samples;
 use raycell::twin::trace::{barycentric, surface_point};
@@ -345,6 +345,22 @@ fn it_is_explained_and_kept() {
     let no_emitter =
         |scene: &Scene| raycell::doctor::examine(scene).unwrap().iter().any(|f| f.check == raycell::doctor::Check::NoEmitter);
     assert!(no_emitter(&dark) && !no_emitter(&scene));
+
+    // Switched by hand.
+    let mut off = scene.clone();
+    "-environment,-lights".parse::<raycell::effects::Switches>().unwrap().apply(&mut off).unwrap();
+    assert!(off.environment.is_none() && off.lights.is_empty() && off.warnings.len() == 2, "{:?}", off.warnings);
+    // A coloured sky over grey walls is no grey scene.
+    let mut grey = under(floor(0.5), [1.0, 1.0, 1.0]);
+    let one_band = |scene: &Scene| Called::by(&Geometry::new(scene).unwrap()).grey;
+    assert!(one_band(&grey));
+    grey.environment = Some(Environment::constant([1.0, 1.0, 2.0]));
+    assert!(!one_band(&grey));
+    let map = SkyMap { width: 2, height: 1, rgb: vec![[1.0; 3]; 2] };
+    grey.environment = Some(Environment::mapped(map.clone()));
+    assert!(one_band(&grey));
+    grey.environment = Some(Environment::mapped(SkyMap { rgb: vec![[1.0; 3], [1.0, 2.0, 1.0]], ..map }));
+    assert!(!one_band(&grey));
 
     // A solution holds its lights and its map, and answers as before.
     let (map, _) = spotted(32, 16, UP, 60.0, 5.0);
