@@ -121,7 +121,7 @@ pub struct Emitter {
 /// A light without a surface (48 bytes): a sun, or a point or spot light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Light {
+pub struct Lamp {
     /// The unit direction towards a sun; the position of a point or spot.
     pub p: [f32; 3],
     /// Sine of half a sun's diameter; a spot's 1/(cos inner - cos outer), 0 of a point.

@@ -395,7 +395,7 @@ fn gltf_nodes_materials_and_cameras() {
         "emissiveFactor": [1, 0.5, 0], "emissiveTexture": {"index": 0},
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}}"#;
     let more = r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 1}}],
-        "textures": [{"source": 0}], "images": [{"uri": "x.png"}], "extensionsUsed": ["KHR_lights_punctual"]"#;
+        "textures": [{"source": 0}], "images": [{"uri": "x.png"}], "extensionsUsed": ["EXT_lights_image_based"]"#;
     let scene = load(&[("s.gltf", gltf(nodes, lamp, more).as_bytes())], &LoadOptions::default()).unwrap();
     assert_eq!(scene.objects, ["a", "nodes[1]"]);
     // Two instances, each with its twin; the mirrored one is wound so that its front stays in front.
@@ -411,7 +411,7 @@ fn gltf_nodes_materials_and_cameras() {
     assert!((view.camera.vfov_degrees - 0.5f64.to_degrees()).abs() < 1e-5);
     let all = scene.warnings.join("\n");
     for part in
-        ["emissiveTexture (once, materials[0] 'lamp')", "extension KHR_lights_punctual", "metals are taken for diffuse: 'lamp'"]
+        ["emissiveTexture (once, materials[0] 'lamp')", "extension EXT_lights_image_based", "metals are taken for diffuse: 'lamp'"]
     {
         assert!(all.contains(part), "expected {part:?} in\n{all}");
     }

@@ -136,7 +136,7 @@ fn records_match() {
         ("Tri", layout!(layout::Tri { v0, material, v1, plane, v2, first_tile, normal, split })),
         ("Material", layout!(layout::Material { rho, pad0, emit, pad1 })),
         ("Emitter", layout!(layout::Emitter { tri, cdf, density, near2 })),
-        ("Light", layout!(layout::Light { p, slope, value, offset, d, pad0 })),
+        ("Lamp", layout!(layout::Lamp { p, slope, value, offset, d, pad0 })),
         ("Tile", layout!(layout::Tile { cdf, density })),
         ("Point", layout!(layout::Point { p, tri, tile, kind, weight, density })),
         ("Node", layout!(layout::Node { p, material, n, plane, mean, gain, clear })),

@@ -87,7 +87,7 @@ pub struct Lights {
     /// Number of suns.
     pub suns: u32,
     /// All of them, those that are black left out.
-    pub all: Vec<layout::Light>,
+    pub all: Vec<layout::Lamp>,
 }
 
 impl Lights {
@@ -104,20 +104,20 @@ impl Lights {
             let near = emission_scale * scale * scale;
             let sent = |factor: f64| light.intensity.map(|x| (x * factor) as f32);
             match light.kind {
-                LightKind::Sun { direction, angle } => layout::Light {
+                LightKind::Sun { direction, angle } => layout::Lamp {
                     p: (-unit(direction)).as_vec3().to_array(),
                     slope: (0.5 * angle).to_radians().sin() as f32,
                     value: sent(emission_scale),
-                    ..layout::Light::default()
+                    ..layout::Lamp::default()
                 },
                 LightKind::Point { position } => {
-                    layout::Light { p: local(position), value: sent(near), offset: 1.0, ..layout::Light::default() }
+                    layout::Lamp { p: local(position), value: sent(near), offset: 1.0, ..layout::Lamp::default() }
                 }
                 LightKind::Spot { position, direction, inner, outer } => {
                     let [inner, outer] = [inner, outer].map(|a| a.to_radians().cos());
                     // An edge of no width is one that floats can tell.
                     let slope = 1.0 / (inner - outer).max(1e-5);
-                    layout::Light {
+                    layout::Lamp {
                         p: local(position),
                         slope: slope as f32,
                         value: sent(near),

@@ -9,7 +9,7 @@ use super::math::{cos_sin_turn, seed_of, tangents, unit};
 use super::sky::from_sky;
 use super::sobol::sobol4;
 use super::trace::ray_blocked;
-use crate::layout::Light;
+use crate::layout::Lamp;
 use crate::scene::{Geometry, Lights};
 use glam::Vec3;
 
@@ -44,7 +44,7 @@ pub(crate) fn shadow_rays(lights: &Lights, mapped: Option<bool>, samples: Sample
 }
 
 /// A direction towards a sun, and what comes from there to a surface of normal `n`.
-fn from_sun(light: &Light, n: Vec3, u: f32, v: f32) -> (Vec3, Vec3) {
+fn from_sun(light: &Lamp, n: Vec3, u: f32, v: f32) -> (Vec3, Vec3) {
     let axis = Vec3::from(light.p);
     let (t1, t2) = tangents(axis);
     let (c, s) = cos_sin_turn(v);
@@ -55,7 +55,7 @@ fn from_sun(light: &Light, n: Vec3, u: f32, v: f32) -> (Vec3, Vec3) {
 }
 
 /// The way to a point or spot light, and what comes from there to a surface of normal `n`.
-fn from_point(light: &Light, p: Vec3, n: Vec3) -> (Vec3, Vec3) {
+fn from_point(light: &Lamp, p: Vec3, n: Vec3) -> (Vec3, Vec3) {
     let way = Vec3::from(light.p) - p;
     let r2 = way.dot(way);
     if r2 <= 0.0 || r2.is_nan() {

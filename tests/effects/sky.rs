@@ -407,18 +407,3 @@ fn a_file_says_what_is_around() {
         assert!(said.contains(part), "{said}");
     }
 }
-
-#[test]
-fn zz_make_truth() {
-    use raycell::accuracy::reference::{Goal, Reference, sample_points};
-    let scene = courtyard();
-    let geometry = Geometry::new(&scene).unwrap();
-    let points = sample_points(&geometry, 128, 1);
-    let mut reference = Reference::new(&scene, &geometry, std::path::Path::new("p"), points, 11).unwrap();
-    let mut tell = |_: &raycell::Event| Flow::Continue;
-    let goal = Goal { noise: 0.005, paths: u64::MAX, time: Some(std::time::Duration::from_secs(330)) };
-    reference.run(goal, &mut raycell::progress::Progress::new(&mut tell)).unwrap();
-    let truth = reference.truth();
-    eprintln!("noise {} paths {} mean {}", truth.noise(), reference.paths(), truth.mean());
-    truth.write(&root("tests/data/courtyard.truth.csv")).unwrap();
-}

@@ -51,7 +51,7 @@ struct Emitter {
 }
 
 // A light without a surface: a sun, or a point or spot light.
-struct Light {
+struct Lamp {
     p: vec3<f32>, // the unit direction towards a sun, or the position
     slope: f32, // sine of half a sun's diameter; a spot's 1/(cos inner - cos outer)
     value: vec3<f32>, // irradiance, or radiant intensity

@@ -1,5 +1,5 @@
 // Lights without a surface in pass direct: the twin of src/twin/lights.rs. The kernel binds `lights: texture_2d_array<u32>`: a texel
-// with the number of suns and of all lights, then three texels a light (Light in lib/layout.wgsl), suns first.
+// with the number of suns and of all lights, then three texels a light (Lamp in lib/layout.wgsl), suns first.
 #import layout
 #import sky
 #import sobol
@@ -17,11 +17,11 @@ fn light_texel(t: u32) -> vec4<u32> {
     return textureLoad(lights, vec2<u32>(t % ROW, t / ROW % ROW), t / (ROW * ROW), 0);
 }
 
-fn light_at(i: u32) -> Light {
+fn light_at(i: u32) -> Lamp {
     let a = light_texel(3u * i + 1u);
     let b = light_texel(3u * i + 2u);
     let c = light_texel(3u * i + 3u);
-    return Light(
+    return Lamp(
         bitcast<vec3<f32>>(a.xyz), bitcast<f32>(a.w), bitcast<vec3<f32>>(b.xyz), bitcast<f32>(b.w), bitcast<vec3<f32>>(c.xyz), c.w,
     );
 }
@@ -32,7 +32,7 @@ struct Arriving {
 }
 
 // A direction towards a sun, and what comes from there to a surface of normal n.
-fn from_sun(sun: Light, n: vec3<f32>, u: f32, v: f32) -> Arriving {
+fn from_sun(sun: Lamp, n: vec3<f32>, u: f32, v: f32) -> Arriving {
     let t = tangents(sun.p);
     let cs = cos_sin_turn(v);
     let r = sun.slope * sqrt(u);
@@ -42,7 +42,7 @@ fn from_sun(sun: Light, n: vec3<f32>, u: f32, v: f32) -> Arriving {
 }
 
 // The way to a point or spot light, and what comes from there to a surface of normal n.
-fn from_point(light: Light, p: vec3<f32>, n: vec3<f32>) -> Arriving {
+fn from_point(light: Lamp, p: vec3<f32>, n: vec3<f32>) -> Arriving {
     let way = light.p - p;
     let r2 = dot3(way, way);
     if !(r2 > 0.0) {
