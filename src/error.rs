@@ -106,6 +106,16 @@ pub enum Error {
         /// The value.
         value: f64,
     },
+    /// A mirror that reflects all, or shines.
+    #[error("{place}: material '{material}': {what}; give a mirror a reflectance below 1 and no emission")]
+    InvalidMirror {
+        /// File and line, or the scene's name.
+        place: String,
+        /// The material's name.
+        material: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A parameter outside its range.
     #[error("{name} = {value} is out of range: {range}")]
     InvalidParam {

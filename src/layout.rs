@@ -27,6 +27,8 @@ pub mod kind {
     pub const SKY: u32 = 2;
     /// The ray ended on a black back face; one way only.
     pub const BACK: u32 = 3;
+    /// The ray was lost between mirrors ([`crate::twin::way`]); one way only.
+    pub const LOST: u32 = 4;
 }
 
 /// Bit of [`Tri::plane`]: a triangle with the same corners and opposite winding is there too. A ray then meets
@@ -67,8 +69,24 @@ pub struct Tri {
     pub first_tile: u32,
     /// Unit normal from the winding, computed in f64.
     pub normal: [f32; 3],
-    /// Tiles along an edge.
+    /// Tiles along an edge. Of a mirror, which has one tile, its reflectance instead, as a normal `f32`'s bits: kernels
+    /// that shoot rays then need no more of a mirror than its triangle.
     pub split: u32,
+}
+
+/// What [`Tri::split`] is less than where it is no mirror's reflectance, and more than where it is.
+pub const MIRROR: u32 = 1 << 20;
+
+impl Tri {
+    /// Reflectance of a mirror; 0: none.
+    pub fn mirror(&self) -> f32 {
+        if self.split < MIRROR { 0.0 } else { f32::from_bits(self.split) }
+    }
+
+    /// Tiles along an edge.
+    pub fn cuts(&self) -> u32 {
+        if self.split < MIRROR { self.split } else { 1 }
+    }
 }
 
 /// A material (32 bytes).
@@ -111,6 +129,10 @@ pub struct Tile {
 }
 
 /// A surface point; two consecutive ones are the two ends of a ray (32 bytes).
+///
+/// Where light is lost on its way ([`crate::scene::Geometry::is_lossy`]) the ends of a ray differ. Its start's weight is w,
+/// its end's w times the share T of the light that arrives; its start's density, once w is known, is the share that mirrors
+/// take, its end's the whole way's length. A hit of pass `shoot` has T for its density.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Point {

@@ -20,11 +20,12 @@ use crate::output::atomic;
 use crate::progress::{Event, Progress};
 use crate::scene::{Geometry, Scene};
 use crate::solution::SurfacePoint;
-use crate::twin::direct::{Samples, from_direction, from_emitters, round};
+use crate::twin::direct::{Samples, from_emitters, from_way, round};
 use crate::twin::emit::first_hit;
 use crate::twin::math::{cosine_direction, seed_of, unit};
 use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_on, position};
+use crate::twin::way::follow;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -139,6 +140,7 @@ impl<'a> Reference<'a> {
             bytes(&coordinates),
             bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine, END.emitter]),
         ]);
+        let of = if geometry.sigma > 0.0 { digest(&[of.as_bytes(), bytes(&[geometry.sigma])]) } else { of };
         let none = vec![[0.0; 3]; points.len()];
         let state = State { of, share: Vec::new(), rounds: 0, sum: none.clone(), square: none };
         Reference { scene, geometry, points, spots, seed, state }
@@ -354,16 +356,17 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
     for reflections in 0u32.. {
         let n = Vec3::from(geometry.tris[at.tri as usize].normal);
         let direction = cosine_direction(geometry.flatland, n, unit(turn[0]), unit(turn[1]));
-        let (met, hit) = first_hit(geometry, at.tri, at.p, direction);
-        if met != kind::FRONT {
+        let way = follow(geometry, at.tri, at.p, direction);
+        let hit = way.hit;
+        if way.kind != kind::FRONT {
             break;
         }
         // The start's direct light is sampled apart.
         if reflections > 0 {
-            light += through * from_direction(geometry, n, direction, &hit, END);
+            light += through * from_way(geometry, n, &way, END);
         }
         let there = &geometry.tris[hit.tri as usize];
-        through *= Vec3::from(geometry.materials[there.material as usize].rho);
+        through *= Vec3::from(geometry.materials[there.material as usize].rho) * way.share;
         if reflections >= SURE {
             let stay = through.max_element().min(GO_ON);
             if random.unit() >= stay {

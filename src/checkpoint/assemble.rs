@@ -13,6 +13,9 @@ use crate::solution::Solution;
 use crate::twin::jacobi::System;
 use crate::twin::winner::Feature;
 
+/// Share of all light that may be given up between mirrors without a word.
+const GIVEN_UP: f64 = 1e-3;
+
 impl Checkpoint {
     /// The solution as far as the bake came; its report says how far ([`Report::partial`], [`Report::reached`]).
     ///
@@ -42,6 +45,13 @@ impl Checkpoint {
             warnings: [warnings, self.pilot.as_ref().map_or(Vec::new(), |p| p.winding.clone())].concat(),
             ..Report::default()
         };
+        if let Some(share) = report.energy.given_up.filter(|share| *share > GIVEN_UP) {
+            report.warnings.push(format!(
+                "light is given up after {} mirrors: up to {:.2} % of all; lower the mirrors' reflectance",
+                crate::twin::way::MIRRORS,
+                100.0 * share
+            ));
+        }
         let (nodes, light, cells, system) = match (net, &self.pilot) {
             (Network { nodes: Some(nodes), growth, coefficients: Some(c), solved: Some(solved), light, .. }, _) => {
                 report.coefficients = c.stored;

@@ -19,6 +19,9 @@ pub(crate) struct Key {
     /// Effects that were switched by hand; of older files none.
     #[serde(default)]
     effects: String,
+    /// What the medium absorbs, 1/m.
+    #[serde(default)]
+    absorption: f64,
     /// Adapter and driver, or cpu: another one rounds otherwise.
     device: String,
     params: Params,
@@ -42,6 +45,7 @@ impl Key {
             triangles: digest(&[bytes(&geometry.tris), bytes(&[geometry.scale]), bytes(&objects), names.as_bytes()]),
             materials: digest(&[bytes(&geometry.materials), bytes(&[geometry.emission_scale])]),
             effects: if scene.effects == Switches::default() { String::new() } else { scene.effects.to_string() },
+            absorption: scene.absorption,
             device,
             params: params.clone(),
         }
@@ -76,7 +80,11 @@ impl Key {
             return changed("--effects", &words(&self.effects), &words(&now.effects));
         }
         if self.triangles != now.triangles {
-            return Some("the scene's triangles or its objects' names have changed".into());
+            return Some("the scene's triangles, mirrors or its objects' names have changed".into());
+        }
+        if self.absorption != now.absorption {
+            let per_metre = |x: f64| format!("{x} /m");
+            return changed("the medium's absorption", &per_metre(self.absorption), &per_metre(now.absorption));
         }
         let words = |p: &Params| serde_json::to_value(p).unwrap_or_default();
         let (then, params) = (words(&self.params), words(&now.params));

@@ -59,6 +59,7 @@ pub fn run(flags: Flags, console: &Console) -> Result<Done> {
         "points": answers.len(),
         "off_surface": count(Status::OffSurface),
         "covered": count(Status::Covered),
+        "mirror": count(Status::Mirror),
         "seconds": begin.elapsed().as_secs_f64(),
     })))
 }

@@ -42,7 +42,9 @@ pub fn meet(mesh: &Mesh) -> Met {
                 }
                 Sight::Front(t, _) => {
                     front[mesh.patch[t as usize] as usize].fetch_add(1, Relaxed);
-                    if mesh.geometry.material_of(t as usize).rho.iter().all(|&r| r <= 0.0) {
+                    // A mirror sends light on; where to does not matter here.
+                    let mirror = mesh.geometry.tris[t as usize].mirror() > 0.0;
+                    if !mirror && mesh.geometry.material_of(t as usize).rho.iter().all(|&r| r <= 0.0) {
                         return;
                     }
                     let tri = &mesh.geometry.tris[t as usize];

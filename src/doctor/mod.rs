@@ -77,6 +77,7 @@ fn lightable(scene: &Scene) -> Cow<'_, Scene> {
         // NaN fails both comparisons and becomes the lower bound.
         m.reflectance = m.reflectance.map(|x| if x > 0.0 { x.min(0.98) } else { 0.0 });
         m.emission = m.emission.map(|x| if x > 0.0 && x.is_finite() { x } else { 0.0 });
+        m.mirror = if m.mirror > 0.0 && m.emission == [0.0; 3] { m.mirror.min(0.98) } else { 0.0 };
     }
     Cow::Owned(scene)
 }

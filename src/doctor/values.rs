@@ -29,6 +29,7 @@ pub fn materials(scene: &Scene) -> Vec<Finding> {
         let (check, number, unit) = match &error {
             Error::InvalidReflectance { value, .. } => (Check::Reflectance, *value, "reflectance"),
             Error::InvalidEmission { value, .. } => (Check::Emission, *value, "W/m2/sr"),
+            Error::InvalidMirror { .. } => (Check::Reflectance, scene.materials[m].mirror, "reflectance"),
             _ => continue,
         };
         let user = scene.faces.iter().position(|f| f.material as usize == m);

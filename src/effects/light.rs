@@ -3,11 +3,11 @@
 use crate::layout::kind;
 use crate::network::tiles;
 use crate::scene::Geometry;
-use crate::twin::direct::{Samples, from_emitter, round};
-use crate::twin::emit::first_hit;
+use crate::twin::direct::{Samples, from_emitter, from_way, round};
 use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
 use crate::twin::sobol::sobol4;
 use crate::twin::trace::{place_on, position, segment_blocked};
+use crate::twin::way::follow;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -82,12 +82,13 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32));
         let direction =
             cosine_direction(geometry.flatland, Vec3::from(geometry.tris[tri as usize].normal), unit(u[0]), unit(u[1]));
-        let (met, hit) = first_hit(geometry, tri, p, direction);
-        if met != kind::FRONT {
+        let way = follow(geometry, tri, p, direction);
+        let hit = way.hit;
+        if way.kind != kind::FRONT {
             break;
         }
         let there = &geometry.tris[hit.tri as usize];
-        through *= Vec3::from(geometry.materials[there.material as usize].rho);
+        through *= Vec3::from(geometry.materials[there.material as usize].rho) * way.share;
         if through == Vec3::ZERO {
             break;
         }
@@ -104,9 +105,9 @@ fn direct(geometry: &Geometry, tri: u32, p: Vec3, u: [u32; 4]) -> Vec3 {
     let n = Vec3::from(geometry.tris[tri as usize].normal);
     let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
     let mut light = from_emitter(geometry, tri, p, u[0], u[1], one);
-    let (met, hit) = first_hit(geometry, tri, p, direction);
-    if met == kind::FRONT {
-        light += crate::twin::direct::from_direction(geometry, n, direction, &hit, one);
+    let way = follow(geometry, tri, p, direction);
+    if way.kind == kind::FRONT {
+        light += from_way(geometry, n, &way, one);
     }
     light
 }

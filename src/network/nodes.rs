@@ -112,7 +112,7 @@ pub fn place_of(geometry: &Geometry, cdf: &[u32], u: u32, v: u32) -> Point {
 pub fn place_on_tile(geometry: &Geometry, tile: u32, u: f32, v: f32) -> Point {
     let tri = geometry.tile_tri[tile as usize];
     let t = &geometry.tris[tri as usize];
-    let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, u, v);
+    let (b1, b2) = place_in_tile(geometry.flatland, t.cuts(), tile - t.first_tile, u, v);
     surface_point(geometry, tri, b1, b2)
 }
 
@@ -349,7 +349,7 @@ pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
     let t = &geometry.tris[geometry.tile_tri[tile as usize] as usize];
     // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
     [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
-        let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, a, b);
+        let (b1, b2) = place_in_tile(geometry.flatland, t.cuts(), tile - t.first_tile, a, b);
         crate::twin::trace::corner_position(t, b1, b2)
     })
 }

@@ -2,7 +2,8 @@
 //!
 //! In: columns `px,py,pz` (metres) and `nx,ny,nz` in any order, others ignored. Out: the same rows in
 //! the same order with `B` (radiosity), `H` (irradiance) and `D` (direct irradiance), W/m² a band, and
-//! `status`: `ok`, `covered` (dark by construction), or `off_surface`, whose number cells are empty.
+//! `status`: `ok`, `covered` (dark by construction), or `off_surface` and `mirror` (an ideal one has no radiosity), whose
+//! number cells are empty.
 
 use super::atomic;
 use crate::error::{Error, Result};
@@ -109,9 +110,11 @@ pub fn write(path: &Path, points: &[SurfacePoint], answers: &[Answer]) -> Result
             Status::Ok => "ok",
             Status::Covered => "covered",
             Status::OffSurface => "off_surface",
+            Status::Mirror => "mirror",
         };
+        let numbers = matches!(answer.status, Status::Ok | Status::Covered);
         for x in [answer.b, answer.h, answer.d].as_flattened() {
-            if answer.status != Status::OffSurface {
+            if numbers {
                 if !x.is_finite() {
                     return Err(Error::NotFinite { what: format!("the light at point {i}") });
                 }
@@ -205,6 +208,9 @@ mod tests {
         );
         // The answer is itself a point list.
         assert_eq!(read(&path).unwrap(), points);
+        let mirror = Answer { status: Status::Mirror, b: [0.0; 3], h: [0.0; 3], d: [0.0; 3] };
+        write(&path, &points[..1], &[mirror]).unwrap();
+        assert!(std::fs::read_to_string(&path).unwrap().ends_with("\n0.1,-2,1e-9,0,1,0,,,,,,,,,,mirror\n"));
         let nan = Answer { status: Status::Ok, ..off };
         assert!(matches!(write(&path, &points, &[ok, nan]), Err(Error::NotFinite { .. })));
     }

@@ -158,6 +158,15 @@ pub struct Energy {
     pub escaped: Option<[f64; 3]>,
     /// What is missing, as a share of what was emitted.
     pub imbalance: Option<f64>,
+    /// What of `absorbed` mirrors have taken, what was given up between them included; not there where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mirrors: Option<[f64; 3]>,
+    /// What of `absorbed` the medium has taken; not there where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub medium: Option<[f64; 3]>,
+    /// What was given up between mirrors ([`crate::twin::way`]), at most, as a share of what was emitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub given_up: Option<f64>,
 }
 
 /// The estimated error of a [`Report`]: root mean square over the surface, over the mean (`docs/accuracy.md`).

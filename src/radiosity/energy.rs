@@ -8,6 +8,7 @@ use crate::output::report::Energy;
 use crate::params::{Direct, Params};
 use crate::progress::Progress;
 use crate::scene::Geometry;
+use crate::twin::way;
 
 /// Most rays from emitters.
 const EMISSION_RAYS: u32 = 65_536;
@@ -17,7 +18,8 @@ const SHARE: u32 = 4;
 /// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
 ///
 /// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check.
-/// Back faces and black surfaces absorb what meets them.
+/// Back faces and black surfaces absorb what meets them, mirrors and the medium what they take on the way: both are counted
+/// among what is absorbed, and by themselves.
 pub fn account<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
@@ -37,24 +39,39 @@ pub fn account<E: Engine>(
         }
     }
     if emitted == [0.0; 3] {
-        return Ok(Energy { emitted: Some([0.0; 3]), absorbed: Some([0.0; 3]), escaped: Some([0.0; 3]), imbalance: Some(0.0) });
+        let none = Some([0.0; 3]);
+        return Ok(Energy { emitted: none, absorbed: none, escaped: none, imbalance: Some(0.0), ..Energy::default() });
     }
     let (mut absorbed, mut escaped) = ([0.0; 3], [0.0; 3]);
+    let (mut mirrors, mut medium, mut lost) = ([0.0; 3], [0.0; 3], 0.0);
+    let lossy = geometry.is_lossy();
     let mut follow = |points: &[Point], sent: &dyn Fn(usize) -> [f64; 3]| {
         for d in 0..points.len() {
             let y = &points[d];
             // One-way rays are stored at their start, so their receiver is the odd end.
-            let one_way = y.kind == kind::SKY || y.kind == kind::BACK;
+            let one_way = y.kind == kind::SKY || y.kind == kind::BACK || y.kind == kind::LOST;
             let x = d ^ 1;
-            let w = if one_way { points[x].weight } else { y.weight } as f64;
+            let (start, end) = (&points[d & !1], &points[d | 1]);
+            let mut w = f64::from(start.weight);
             if w <= 0.0 || (one_way && d % 2 == 0) {
                 continue;
             }
             let s = sent(x);
+            if lossy {
+                // What is lost on the way, and the rest that arrives.
+                let on_mirrors = w * f64::from(start.density);
+                let in_medium = w - f64::from(end.weight) - on_mirrors;
+                for k in 0..3 {
+                    mirrors[k] += on_mirrors * s[k];
+                    medium[k] += in_medium * s[k];
+                    lost += if y.kind == kind::LOST { w * s[k] } else { 0.0 };
+                }
+                w = end.weight.into();
+            }
             for k in 0..3 {
                 match y.kind {
                     kind::SKY => escaped[k] += w * s[k],
-                    kind::BACK => absorbed[k] += w * s[k],
+                    kind::BACK | kind::LOST => absorbed[k] += w * s[k],
                     _ => absorbed[k] += w * s[k] * (1.0 - geometry.material_at(y).rho[k] as f64),
                 }
             }
@@ -90,7 +107,21 @@ pub fn account<E: Engine>(
         });
         progress.tick()?;
     }
+    for k in 0..3 {
+        absorbed[k] += mirrors[k] + medium[k];
+    }
     let imbalance = (0..3).map(|k| emitted[k] - absorbed[k] - escaped[k]).sum::<f64>() / emitted.iter().sum::<f64>();
     let watts = |x: [f64; 3]| Some(x.map(|v| v * per_area));
-    Ok(Energy { emitted: watts(emitted), absorbed: watts(absorbed), escaped: watts(escaped), imbalance: Some(imbalance) })
+    // Of a ray that was given up no more was left than this.
+    let best = geometry.tris.iter().map(|t| f64::from(t.mirror())).fold(0.0, f64::max);
+    let left = best.powi(way::MIRRORS as i32).max(way::LEAST.into());
+    Ok(Energy {
+        emitted: watts(emitted),
+        absorbed: watts(absorbed),
+        escaped: watts(escaped),
+        imbalance: Some(imbalance),
+        mirrors: geometry.mirrors.then(|| watts(mirrors)).flatten(),
+        medium: if geometry.sigma > 0.0 { watts(medium) } else { None },
+        given_up: geometry.mirrors.then(|| lost * left / emitted.iter().sum::<f64>()),
+    })
 }

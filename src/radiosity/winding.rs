@@ -5,7 +5,7 @@ use crate::scene::{Geometry, Scene};
 use crate::twin::emit::first_hit;
 use crate::twin::math::{cosine_direction, seed_of, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{Ray, closest, place_on, position};
+use crate::twin::trace::{place_on, position};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -32,10 +32,8 @@ impl Winding {
         let met = |ray: &[Point]| match ray[0].kind {
             kind::FRONT => Some((object(ray[1].tri), 0)),
             kind::BACK => {
-                let skip = [geometry.tris[ray[0].tri as usize].plane, NONE];
-                let ray = Ray { origin: ray[0].p.into(), direction: ray[1].p.into(), t_max: f32::MAX, skip };
                 // The device's ray may just miss here.
-                let hit = closest(geometry, &ray);
+                let (_, hit) = first_hit(geometry, ray[0].tri, ray[0].p.into(), ray[1].p.into());
                 (hit.tri != NONE).then(|| (object(hit.tri), 1))
             }
             _ => None,

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::hash::NumberMap;
 use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use crate::network::groups::{self, Groups};
-use crate::params::{Norm, Params};
+use crate::params::{Method, Mode, Norm, Params};
 use crate::twin::direct::near2;
 use glam::Vec3;
 use std::collections::hash_map::Entry;
@@ -36,6 +36,10 @@ pub struct Geometry {
     pub occludes: bool,
     /// Whether light that surfaces reflect is followed; not where that was asked off.
     pub interreflects: bool,
+    /// Whether the scene has mirrors, which rays follow: their triangles tell of it ([`Tri::mirror`]).
+    pub mirrors: bool,
+    /// What the medium absorbs on a local length; 0: no medium.
+    pub sigma: f32,
     /// Share of the light that arrives ([`crate::params::Norm`]); the reflectances in `materials` are multiplied by
     /// it, so that no pass need know.
     pub arrives: f64,
@@ -122,12 +126,21 @@ fn is_thin(corners: [[f64; 3]; 3], double_area: f64) -> bool {
 impl Geometry {
     /// As [`Geometry::new`], for a bake with these parameters.
     ///
-    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have.
+    /// Errors: also [`Error::InvalidParam`] for a norm that the scene's space does not have, and for a method or mode that
+    /// knows no mirrors where there are some.
     pub fn for_bake(scene: &Scene, params: &Params) -> Result<Geometry> {
         let mut geometry = Geometry::new(scene)?;
         if params.norm == Norm::Paper1997 && !geometry.flatland {
             let range = "it is for flatland scenes: in three dimensions the paper's kernel has the norm of lambert";
             return Err(Error::InvalidParam { name: "norm", value: "paper1997".into(), range });
+        }
+        let patches = matches!(params.method, Method::Fem | Method::Hierarchical);
+        if geometry.mirrors && (patches || params.mode == Mode::Paper) {
+            let range = "it knows no mirrors: evaluations of a kernel between two points find no way over one; bake with --method \
+                         network or rays in --mode flux, or make the mirrors diffuse";
+            let (name, value) =
+                if patches { ("method", format!("{:?}", params.method)) } else { ("mode", format!("{:?}", params.mode)) };
+            return Err(Error::InvalidParam { name, value: value.to_lowercase(), range });
         }
         geometry.arrives = params.norm.share();
         if params.norm != Norm::Lambert {
@@ -215,7 +228,7 @@ impl Geometry {
             .materials
             .iter()
             .map(|m| Material {
-                rho: m.reflectance.map(|x| x as f32),
+                rho: if m.mirror > 0.0 { [0.0; 3] } else { m.reflectance.map(|x| x as f32) },
                 emit: m.emission.map(|x| (x * std::f64::consts::PI * emission_scale) as f32),
                 ..Material::default()
             })
@@ -239,6 +252,8 @@ impl Geometry {
         for &i in &order {
             let Kept { face, corners, normal, area: tri_area, .. } = kept[i];
             let material = material_of(i);
+            // Below what 32-bit floats hold with all digits a mirror is black.
+            let mirror = Some(scene.materials[material as usize].mirror as f32).filter(|m| m.is_normal());
             let split = match (live(material), flatland) {
                 (false, _) => 1,
                 (true, false) => ((tri_area / tile_area).sqrt().ceil() as u32).clamp(1, MAX_SPLIT),
@@ -255,7 +270,7 @@ impl Geometry {
                 v2: corners[2],
                 first_tile,
                 normal: normal.map(|x| x as f32),
-                split,
+                split: mirror.map_or(split, f32::to_bits),
             });
             source.push(face);
             areas.push(tri_area);
@@ -286,6 +301,8 @@ impl Geometry {
             flatland,
             occludes: scene.effects.asked(Name::Occlusion).unwrap_or_else(|| obstacle(scene) != Obstacle::None),
             interreflects: scene.effects.asked(Name::Interreflection).unwrap_or(true),
+            mirrors: tris.iter().any(|t| t.mirror() > 0.0),
+            sigma: (scene.absorption / scale) as f32,
             arrives: 1.0,
             center,
             scale,
@@ -313,7 +330,7 @@ impl Geometry {
     /// Area of a tile, local.
     pub fn tile_area(&self, tile: usize) -> f64 {
         let t = self.tile_tri[tile] as usize;
-        let split = self.tris[t].split as f64;
+        let split = self.tris[t].cuts() as f64;
         self.areas[t] / if self.flatland { split } else { split.powi(2) }
     }
 
@@ -329,7 +346,17 @@ impl Geometry {
         m.rho.iter().chain(&m.emit).any(|&x| x > 0.0)
     }
 
-    /// Whether anything reflects light, and there is some: where not, all light is direct.
+    /// Whether light is lost on its way: at mirrors, or to the medium. A ray's points then hold what of it arrives.
+    pub fn is_lossy(&self) -> bool {
+        self.mirrors || self.sigma > 0.0
+    }
+
+    /// The share of what a shot ray's end sends that arrives at its start.
+    pub fn arriving(&self, hit: &Point) -> f64 {
+        if self.is_lossy() { hit.density.into() } else { 1.0 }
+    }
+
+    /// Whether anything reflects light diffusely, and there is some: where not, all light is direct.
     pub fn reflects(&self) -> bool {
         let rho = |t: usize| self.material_of(t).rho;
         self.interreflects && !self.emitters.is_empty() && (0..self.tris.len()).any(|t| rho(t) != [0.0; 3])

@@ -39,7 +39,7 @@ use crate::effects::Switches;
 use crate::error::{Error, Result};
 use crate::solution::Camera;
 
-/// A diffuse material in user units, linear Rec.709 RGB.
+/// A diffuse material, or an ideal mirror, in user units, linear Rec.709 RGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name, for messages.
@@ -48,17 +48,25 @@ pub struct Material {
     pub reflectance: [f64; 3],
     /// Emitted **radiance** (MTL `Ke`), W/m²/sr; the emitted radiosity is pi times it.
     pub emission: [f64; 3],
+    /// Reflectance of an ideal mirror, grey, in [0, 1); 0: no mirror. A mirror reflects nothing diffusely: beside it
+    /// `reflectance` does not count; and it does not shine.
+    pub mirror: f64,
 }
 
 impl Material {
-    /// A material.
+    /// A diffuse material.
     pub fn new(name: &str, reflectance: [f64; 3], emission: [f64; 3]) -> Material {
-        Material { name: name.into(), reflectance, emission }
+        Material { name: name.into(), reflectance, emission, mirror: 0.0 }
     }
 
-    /// Checks that it can be lit: reflectances in [0, 1), emissions >= 0 that 32-bit floats hold.
+    /// An ideal mirror.
+    pub fn new_mirror(name: &str, reflectance: f64) -> Material {
+        Material { mirror: reflectance, ..Material::new(name, [0.0; 3], [0.0; 3]) }
+    }
+
+    /// Checks that it can be lit: reflectances in [0, 1), emissions >= 0 that 32-bit floats hold, no mirror that shines.
     ///
-    /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
+    /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`], [`Error::InvalidMirror`].
     pub fn check(&self) -> Result<()> {
         self.check_at("in memory")
     }
@@ -74,6 +82,13 @@ impl Material {
             if !(0.0..=f64::from(f32::MAX)).contains(&self.emission[k]) {
                 return Err(Error::InvalidEmission { place, material, band, value: self.emission[k] });
             }
+        }
+        let refuse = |what: String| Err(Error::InvalidMirror { place: place.into(), material: self.name.clone(), what });
+        if !((0.0..1.0).contains(&self.mirror) && (self.mirror as f32) < 1.0) {
+            return refuse(format!("a mirror of reflectance {} is not in [0, 1)", self.mirror));
+        }
+        if self.mirror > 0.0 && self.emission != [0.0; 3] {
+            return refuse("it is a mirror and shines".into());
         }
         Ok(())
     }
@@ -141,6 +156,9 @@ pub struct Scene {
     pub cameras: Vec<View>,
     /// Effects that were switched by hand ([`Switches::apply`]).
     pub effects: Switches,
+    /// What a homogeneous medium that fills the scene's bounding box absorbs on a metre, 1/m: light of a way of r metres
+    /// is left with exp(-absorption r). 0: no medium.
+    pub absorption: f64,
     /// What was odd on reading, in words for the user.
     pub warnings: Vec<String>,
 }
@@ -191,10 +209,10 @@ impl Scene {
     }
 
     /// Checks that the scene can be lit: vertices and emissions that 32-bit floats hold, indices in range, reflectances
-    /// in [0, 1), emissions >= 0.
+    /// in [0, 1), emissions >= 0, an absorption >= 0.
     ///
-    /// Errors: [`Error::EmptyScene`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`],
-    /// [`Error::InvalidReflectance`], [`Error::InvalidEmission`]; [`Error::NotFlat`] for a flatland scene whose faces
+    /// Errors: [`Error::EmptyScene`], [`Error::InvalidVertex`], [`Error::IndexOutOfRange`], [`Error::InvalidReflectance`],
+    /// [`Error::InvalidEmission`], [`Error::InvalidMirror`]; [`Error::InvalidParam`] for the medium's absorption; [`Error::NotFlat`] for a flatland scene whose faces
     /// are no segments in the plane z = 0.
     pub fn check(&self) -> Result<()> {
         if self.faces.is_empty() {
@@ -226,6 +244,10 @@ impl Scene {
                     count: self.materials.len(),
                 });
             }
+        }
+        if !(0.0..=f64::from(f32::MAX)).contains(&self.absorption) {
+            let range = "the medium takes a share of light on each metre: give 1/m, 0 or more";
+            return Err(Error::InvalidParam { name: "absorption", value: self.absorption.to_string(), range });
         }
         (0..self.materials.len()).try_for_each(|m| self.check_material(m))
     }

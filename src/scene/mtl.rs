@@ -1,4 +1,4 @@
-//! MTL files: `Kd` reflects, `Ke` shines; all else is named and left out.
+//! MTL files: `Kd` reflects, `Ke` shines, `illum 3` and `Pm 1` are mirrors; all else is named and left out.
 //!
 //! The values are read here because a refusal must name its line; tobj keeps none, and panics on `Kd 0.5`.
 
@@ -22,8 +22,30 @@ pub const ONE: f64 = 1.0 + 1e-6;
 struct Entry {
     kd: Option<[f64; 3]>,
     ke: [f64; 3],
+    ks: [f64; 3],
+    illum: f64,
+    metallic: f64,
+    roughness: Option<f64>,
     place: String,
 }
+
+impl Entry {
+    /// What it reflects as an ideal mirror: `Ks` of `illum` 3 or 5, where that is more than its `Kd`; or `Kd` of a metal
+    /// without roughness. A lamp is none.
+    fn mirror(&self) -> Option<[f64; 3]> {
+        let sum = |v: [f64; 3]| v.iter().sum::<f64>();
+        let diffuse = sum(self.kd.unwrap_or_default());
+        match self {
+            _ if self.ke != [0.0; 3] => None,
+            Entry { metallic: 1.0, roughness: Some(0.0), .. } => self.kd,
+            _ if (self.illum == 3.0 || self.illum == 5.0) && sum(self.ks) > diffuse => Some(self.ks),
+            _ => None,
+        }
+    }
+}
+
+/// What a mirror material says that a diffuse one would not be read for.
+const OF_MIRRORS: [&str; 3] = ["Ks", "illum", "Pm"];
 
 /// The materials of all MTL files that an OBJ names.
 #[derive(Default)]
@@ -52,8 +74,9 @@ impl Library {
 
     fn read(&mut self, path: &Path, bytes: Vec<u8>, reader: &mut Reader, warnings: &mut Vec<String>) -> Result<()> {
         let text = decode(bytes);
-        let mut unread = Unread::default();
-        let mut current: Option<&mut Entry> = None;
+        // What is not read, and of which material: told at the end, when mirrors are known.
+        let mut left: Vec<(String, usize, Option<String>)> = Vec::new();
+        let mut current: Option<(String, &mut Entry)> = None;
         for (line, statement) in Statements::new(&text) {
             let (key, rest) = split(&statement);
             match key {
@@ -70,7 +93,7 @@ impl Library {
                     }
                     let entry = self.entries.entry(name.into()).or_default();
                     *entry = Entry { place, ..Entry::default() };
-                    current = Some(entry);
+                    current = Some((name.into(), entry));
                 }
                 "Kd" | "Ke" => {
                     // One number stands for three, says the format.
@@ -82,16 +105,30 @@ impl Library {
                     };
                     let place = format!("{}:{line}", path.display());
                     match (&mut current, key) {
-                        (None, _) => unread.add(&format!("{key} before any newmtl"), format_args!("line {line}")),
-                        (Some(entry), "Kd") => {
+                        (None, _) => left.push((format!("{key} before any newmtl"), line, None)),
+                        (Some((_, entry)), "Kd") => {
                             let linear = |x: f64| if reader.options.kd_space == KdSpace::Srgb { srgb_to_linear(x) } else { x };
                             (entry.kd, entry.place) = (Some(v.map(linear)), place);
                         }
-                        (Some(entry), _) => (entry.ke, entry.place) = (v, place),
+                        (Some((_, entry)), _) => (entry.ke, entry.place) = (v, place),
                     }
                 }
-                _ if matters(key, rest) => unread.add(key, format_args!("line {line}")),
-                _ => {}
+                _ => {
+                    let name = current.as_ref().map(|(name, _)| name.clone());
+                    if let Some((_, entry)) = &mut current {
+                        mirror_of(entry, key, rest);
+                    }
+                    if matters(key, rest) {
+                        left.push((key.into(), line, name));
+                    }
+                }
+            }
+        }
+        let mut unread = Unread::default();
+        for (key, line, name) in left {
+            let mirror = || name.and_then(|name| self.entries.get(&name)?.mirror()).is_some();
+            if !(OF_MIRRORS.contains(&key.as_str()) && mirror()) {
+                unread.add(&key, format_args!("line {line}"));
             }
         }
         unread.warn(path, warnings);
@@ -117,6 +154,16 @@ impl Library {
         let spared = overridden.iter().any(|o| o == name);
         let entry = self.entries.get(name);
         let place = entry.map_or(here, |e| e.place.clone());
+        if let Some((mirror, entry)) = entry.filter(|_| !spared).and_then(|e| Some((e.mirror()?, e))) {
+            if entry.metallic != 1.0 && entry.kd.is_some_and(|kd| kd != [0.0; 3]) {
+                warnings.push(format!(
+                    "{place}: material '{name}' is taken for an ideal mirror of its Ks, and its Kd is left out; give it \
+                     illum 2 to have its Kd instead"
+                ));
+            }
+            let mirror = not_quite_one(mirror, name, &place, warnings);
+            return (Material::new_mirror(name, grey_mirror(mirror, name, &place, warnings)), place);
+        }
         let reflectance = match entry {
             _ if spared => [GREY; 3],
             None => {
@@ -145,6 +192,32 @@ pub fn not_quite_one(rho: [f64; 3], material: &str, place: &str, warnings: &mut 
         ));
     }
     rho.map(|x| if one(&x) { NEARLY_ONE } else { x })
+}
+
+/// The one reflectance of a mirror, with a warning where it is tinted: ways along mirrors carry all bands alike.
+pub fn grey_mirror(rho: [f64; 3], material: &str, place: &str, warnings: &mut Vec<String>) -> f64 {
+    let mean = (rho[0] + rho[1] + rho[2]) / 3.0;
+    if rho.iter().any(|x| x != &rho[0]) {
+        warnings.push(format!(
+            "{place}: material '{material}' is a tinted mirror, which is not supported, and is taken for a grey one of \
+             {mean:.3}; give it one reflectance for all bands"
+        ));
+        return mean;
+    }
+    rho[0]
+}
+
+/// Reads what makes a mirror of a material; what cannot be read says nothing.
+fn mirror_of(entry: &mut Entry, key: &str, rest: &str) {
+    let values: Vec<f64> = words(rest).map_while(|w| w.parse().ok()).collect();
+    match (key, &values[..]) {
+        ("Ks", &[x]) => entry.ks = [x; 3],
+        ("Ks", &[r, g, b]) => entry.ks = [r, g, b],
+        ("illum", &[x]) => entry.illum = x,
+        ("Pm", &[x]) => entry.metallic = x,
+        ("Pr", &[x]) => entry.roughness = Some(x),
+        _ => {}
+    }
 }
 
 /// The file of a name beside an OBJ: as written, with Windows' separators turned, or by its last part alone,

@@ -22,6 +22,9 @@ struct Header {
     /// In flatland: how high its walls are drawn, metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     flatland: Option<f64>,
+    /// What the medium absorbs, 1/m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    absorption: f64,
     materials: Vec<MaterialEntry>,
     objects: Vec<String>,
     /// Effects that were switched by hand.
@@ -38,6 +41,13 @@ struct MaterialEntry {
     name: String,
     reflectance: [f64; 3],
     emission: [f64; 3],
+    #[serde(default, skip_serializing_if = "is_zero")]
+    mirror: f64,
+}
+
+/// What is not there is not written.
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 /// What the header says it holds.
@@ -64,8 +74,14 @@ impl Solution {
                 Space::Solid => None,
                 Space::Flatland { height } => Some(height),
             },
+            absorption: self.scene.absorption,
             materials: (self.scene.materials.iter())
-                .map(|m| MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission })
+                .map(|m| MaterialEntry {
+                    name: m.name.clone(),
+                    reflectance: m.reflectance,
+                    emission: m.emission,
+                    mirror: m.mirror,
+                })
                 .collect(),
             objects: self.scene.objects.clone(),
             effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
@@ -110,10 +126,11 @@ impl Solution {
             vertices: file.get("vertices")?,
             faces: faces.iter().map(|&[a, b, c, material, object]| Face { vertices: [a, b, c], material, object }).collect(),
             materials: (header.materials.into_iter())
-                .map(|m| Material { name: m.name, reflectance: m.reflectance, emission: m.emission })
+                .map(|m| Material { mirror: m.mirror, ..Material::new(&m.name, m.reflectance, m.emission) })
                 .collect(),
             objects: header.objects,
             effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
+            absorption: header.absorption,
             ..Scene::default()
         };
         if scene.faces.iter().any(|f| f.object as usize >= scene.objects.len()) {

@@ -43,9 +43,11 @@ pub enum Status {
     OffSurface,
     /// Covered by other surfaces: no light can reach it.
     Covered,
+    /// On an ideal mirror, which has no radiosity: what it shows depends on whence one looks (pictures follow it).
+    Mirror,
 }
 
-/// Light at a point, W/m² in linear Rec.709 RGB. All zero where off the surface.
+/// Light at a point, W/m² in linear Rec.709 RGB. All zero where off the surface, and on mirrors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Whether there is light to speak of.
@@ -213,8 +215,12 @@ impl Solution {
 
     /// Turns a shade into user units.
     fn answer(&self, point: &Point, shade: &Shade, what: impl Fn() -> String) -> Result<Answer> {
+        let nothing = |status| Ok(Answer { status, b: [0.0; 3], h: [0.0; 3], d: [0.0; 3] });
         if point.tri == NONE {
-            return Ok(Answer { status: Status::OffSurface, b: [0.0; 3], h: [0.0; 3], d: [0.0; 3] });
+            return nothing(Status::OffSurface);
+        }
+        if self.geometry.tris[point.tri as usize].mirror() > 0.0 {
+            return nothing(Status::Mirror);
         }
         let m = &self.scene.materials[self.geometry.tris[point.tri as usize].material as usize];
         let unscale = self.geometry.arrives / self.geometry.emission_scale;

@@ -3,12 +3,13 @@
 use super::{Solution, narrow};
 use crate::engine::Backend;
 use crate::error::{Error, Result};
-use crate::layout::{NONE, Point};
+use crate::layout::{NONE, Point, kind};
 use crate::params::Params;
 use crate::progress::{Event, Flow};
 use crate::scene::{Geometry, Scene};
-use crate::twin::trace::{Ray, barycentric, closest, surface_point};
-use glam::{DVec3, Vec3};
+use crate::twin::trace::{barycentric, surface_point};
+use crate::twin::way::{Way, along, way_in};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -103,22 +104,25 @@ fn primary_feet(scene: &Scene, geometry: &Geometry, camera: &Camera) -> Result<V
         let mut p = DVec3::from_array(geometry.to_local(world)).as_vec3();
         p.z = 0.0;
         let (b1, _) = barycentric(true, geometry.tris.get(tri as usize)?, p);
-        Some(surface_point(geometry, tri, b1.clamp(0.0, 1.0), 0.0))
+        Some(Point { density: hit.density, ..surface_point(geometry, tri, b1.clamp(0.0, 1.0), 0.0) })
     };
     Ok(primary_hits(&walls, camera).into_iter().map(|hit| hit.and_then(foot)).collect())
 }
 
-/// What a camera sees through each pixel's centre: a point on a front face, or nothing (the sky, a
-/// black back face). On the host: a ray a pixel is little beside what shading it takes.
+/// What a camera sees through each pixel's centre, also in mirrors: a point on a front face, its `density` the share of its
+/// light that arrives, or nothing (the sky, a black back face). On the host: a ray a pixel is little beside what shading it takes.
 fn primary_hits(geometry: &Geometry, camera: &Camera) -> Vec<Option<Point>> {
     let origin = DVec3::from_array(geometry.to_local(camera.eye)).as_vec3();
     (0..camera.width * camera.height)
         .into_par_iter()
         .map(|i| {
-            let direction = DVec3::from_array(camera.direction(i % camera.width, i / camera.width)).as_vec3();
-            let hit = closest(geometry, &Ray { origin, direction, t_max: f32::MAX, skip: [NONE; 2] });
-            let front = hit.tri != NONE && Vec3::from(geometry.tris[hit.tri as usize].normal).dot(direction) < 0.0;
-            front.then(|| surface_point(geometry, hit.tri, hit.b1, hit.b2))
+            let way = DVec3::from_array(camera.direction(i % camera.width, i / camera.width));
+            // Ways that lose light are measured.
+            let direction = if geometry.is_lossy() { way.normalize() } else { way }.as_vec3();
+            // There is no medium outside the scene's box.
+            let start = if geometry.sigma > 0.0 { origin + direction * way_in(geometry, origin, direction) } else { origin };
+            let Way { kind, hit, share, .. } = along(geometry, NONE, start, direction);
+            (kind == kind::FRONT).then(|| Point { density: share, ..surface_point(geometry, hit.tri, hit.b1, hit.b2) })
         })
         .collect()
 }
@@ -153,7 +157,8 @@ impl Solution {
             .map(|(i, hit)| match hit.as_ref().zip(if hit.is_some() { shades.next() } else { None }) {
                 Some((point, shade)) => {
                     let what = || format!("the light at pixel {},{}", i as u32 % camera.width, i as u32 / camera.width);
-                    narrow(self.answer(point, &shade, what)?.b.map(|b| b / PI), what)
+                    let share = self.geometry.arriving(point);
+                    narrow(self.answer(point, &shade, what)?.b.map(|b| share * b / PI), what)
                 }
                 None => Ok([0.0; 3]),
             })
@@ -171,7 +176,7 @@ mod tests {
     fn the_picture_is_upright_and_the_back_is_black() {
         // One shining triangle to the upper right; the camera looks along -z.
         let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]];
-        let shine = Material { name: "lamp".into(), reflectance: [0.0; 3], emission: [3.0, 2.0, 1.0] };
+        let shine = Material::new("lamp", [0.0; 3], [3.0, 2.0, 1.0]);
         let scene = Scene::from_triangles("lamp", &[(corners, 0)], vec![shine]).unwrap();
         let params = Params { rays: 1024, ..Params::default() };
         let solution = crate::bake(&Backend::Cpu, &scene, &params, &mut |_| Flow::Continue).unwrap();

@@ -56,8 +56,10 @@ pub fn coefficients(
 
     for d in 0..points.len() {
         let y = &points[d];
-        let w = y.weight * normalise;
-        if w <= 0.0 {
+        // Masses take the whole ray; cells what of its light arrives. A ray that counts one way has no end that receives.
+        let lossy = geometry.is_lossy();
+        let w = points[if lossy { d & !1 } else { d }].weight * normalise;
+        if w <= 0.0 || (lossy && d % 2 == 1 && y.kind != kind::FRONT) {
             continue;
         }
         // Whatever arrives around a node has mass, also from the sky and from back faces.
@@ -80,6 +82,7 @@ pub fn coefficients(
             continue;
         }
         let cell = winners[d] as usize;
+        let w = points[if lossy { d | 1 } else { d }].weight * normalise;
         // The receiver end deposits.
         for k in 0..4 {
             if psi[d].weight[k] > 0.0 {

@@ -3,12 +3,13 @@
 //! `emitter` samples of the emitters' area and `cosine` directions a round, weighted by the balance
 //! heuristic: a sample at x with area density p and kernel G counts E G / (n_e p + n_c G), which never
 //! exceeds E / n_c, also where emitters touch receivers. Where every emitter is far, G / p is small, cosine directions would
-//! hardly ever meet one, and none are shot: n_c is 0, and a sample counts at most [`FAR`] E / n_e.
+//! hardly ever meet one, and none are shot: n_c is 0, and a sample counts at most [`FAR`] E / n_e. In scenes with mirrors they
+//! always are, as light over mirrors comes from them alone.
 
-use super::emit::first_hit;
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
 use super::sobol::sobol4;
 use super::trace::{Hit, place_on, position, segment_blocked};
+use super::way::{Way, between, follow};
 use crate::layout::{DirectSum, NONE, Point, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
@@ -91,7 +92,7 @@ fn unshadowed(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: S
     if g > 0.0 && there.plane != here.plane {
         let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
         let light = Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
-        return Some(Lit { light, x, plane: there.plane });
+        return Some(Lit { light: light * between(geometry, p, x), x, plane: there.plane });
     }
     None
 }
@@ -112,6 +113,17 @@ pub fn from_direction(geometry: &Geometry, n: Vec3, direction: Vec3, hit: &Hit, 
     Vec3::ZERO
 }
 
+/// As [`from_direction`], of a way along mirrors or through the medium. No sample of the emitters' area goes over a mirror:
+/// such light comes from cosine directions alone, E T / n_c.
+pub fn from_way(geometry: &Geometry, n: Vec3, way: &Way, samples: Samples) -> Vec3 {
+    if way.mirrors > 0 {
+        let there = &geometry.tris[way.hit.tri as usize];
+        return Vec3::from(geometry.materials[there.material as usize].emit) * (way.share / samples.cosine as f32);
+    }
+    let light = from_direction(geometry, n, way.direction, &way.hit, samples);
+    if geometry.sigma > 0.0 { light * way.share } else { light }
+}
+
 /// G / p below which cosine directions are left out.
 pub const FAR: f64 = 0.5;
 /// Emitters up to which each is asked whether it is near; where there are more, one always may be.
@@ -127,7 +139,8 @@ pub fn near2(flatland: bool, longest: f64, density: f64) -> f32 {
 
 /// Whether cosine directions have a share in what is found at p.
 fn is_near(geometry: &Geometry, p: Vec3) -> bool {
-    geometry.emitters.len() > FEW
+    geometry.mirrors
+        || geometry.emitters.len() > FEW
         || geometry.emitters.iter().any(|e| {
             let d = p - Vec3::from(geometry.tris[e.tri as usize].v0);
             d.dot(d) < e.near2
@@ -147,9 +160,9 @@ pub fn round(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, samp
         // Sample the cosine; only front faces of emitters count.
         let u = sobol4(k, seed);
         let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
-        let (met, hit) = first_hit(geometry, tri, p, direction);
-        if met == kind::FRONT {
-            sum += from_direction(geometry, n, direction, &hit, samples);
+        let way = follow(geometry, tri, p, direction);
+        if way.kind == kind::FRONT {
+            sum += from_way(geometry, n, &way, samples);
         }
     }
     sum

@@ -2,7 +2,8 @@
 
 use super::math::{cosine_direction, invert_cdf, seed_of, unit};
 use super::sobol::sobol4;
-use super::trace::{Ray, closest, place_in_tile, position, surface_point, tile_of};
+use super::trace::{place_in_tile, position, surface_point, tile_of};
+use super::way::follow;
 use crate::layout::{NONE, Point, Tile, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
@@ -13,17 +14,10 @@ pub const PROBES: u32 = 11;
 /// Probes after which a start that has seen sky only is taken for alive.
 pub const SKY_PROBES: u32 = 4;
 
-/// What a cosine ray from a surface point met.
+/// What a cosine ray from a surface point met, along mirrors; the hit's `t` is the whole length of its way.
 pub fn first_hit(geometry: &Geometry, tri: u32, p: Vec3, direction: Vec3) -> (u32, super::trace::Hit) {
-    let from = &geometry.tris[tri as usize];
-    let hit = closest(geometry, &Ray { origin: p, direction, t_max: f32::MAX, skip: [from.plane, NONE] });
-    if hit.tri == NONE {
-        (kind::SKY, hit)
-    } else if Vec3::from(geometry.tris[hit.tri as usize].normal).dot(direction) < 0.0 {
-        (kind::FRONT, hit)
-    } else {
-        (kind::BACK, hit)
-    }
+    let way = follow(geometry, tri, p, direction);
+    (way.kind, way.hit)
 }
 
 /// Whether a point that has not yet seen a front face is dead: no front hit in all probes, and back
@@ -48,7 +42,8 @@ pub fn is_dead(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, first: u32) ->
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.
 ///
 /// A front hit counts both ways with w = 1/(n (p(s) + p(t))); a ray to the sky or to a back face one
-/// way with w = 1/(n p(s)).
+/// way with w = 1/(n p(s)). The end of a ray to the sky holds the direction in which it leaves, of one to a back face
+/// that in which it was shot.
 pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u32, total: u32) -> Vec<Point> {
     (first..first + count)
         .into_par_iter()
@@ -57,10 +52,11 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
             let (tile, place) = invert_cdf(tiles.len() as u32, |t| tiles[t as usize].cdf, u[0]);
             let tri = geometry.tile_tri[tile as usize];
             let t = &geometry.tris[tri as usize];
-            let (b1, b2) = place_in_tile(geometry.flatland, t.split, tile - t.first_tile, place, unit(u[1]));
+            let (b1, b2) = place_in_tile(geometry.flatland, t.cuts(), tile - t.first_tile, place, unit(u[1]));
             let p = position(geometry.flatland, t, b1, b2);
             let direction = cosine_direction(geometry.flatland, Vec3::from(t.normal), unit(u[2]), unit(u[3]));
-            let (met, hit) = first_hit(geometry, tri, p, direction);
+            let way = follow(geometry, tri, p, direction);
+            let (met, hit) = (way.kind, way.hit);
             let density = tiles[tile as usize].density;
             let n = total as f32;
             let mut s = Point { p: p.to_array(), tri, tile, kind: met, weight: 0.0, density };
@@ -77,6 +73,15 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
                 end.kind = kind::DEAD;
             } else {
                 s.weight = 1.0 / (n * density);
+            }
+            if geometry.is_lossy() {
+                end.weight = s.weight * way.share;
+                s.density = way.mirrored;
+                if met == kind::FRONT {
+                    end.density = hit.t;
+                } else if met == kind::SKY {
+                    end.p = way.direction.to_array();
+                }
             }
             [s, end]
         })

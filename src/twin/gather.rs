@@ -44,7 +44,8 @@ pub fn gather(geometry: &Geometry, hits: &[Point], light: &[[f32; 4]], direct: O
                 if hit.kind == kind::FRONT && !light.is_empty() {
                     let rho = Vec3::from(geometry.material_at(hit).rho);
                     let d = direct.map_or(Vec3::ZERO, |d| Vec3::from(d[at].mean()));
-                    sum += rho * (d + Vec3::from_slice(&light[at][..3]));
+                    let sent = rho * (d + Vec3::from_slice(&light[at][..3]));
+                    sum += if geometry.is_lossy() { sent * hit.density } else { sent };
                 }
             }
             let inv = 1.0 / rays as f32;

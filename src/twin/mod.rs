@@ -18,6 +18,7 @@ pub mod respond;
 pub mod shoot;
 pub mod sobol;
 pub mod trace;
+pub mod way;
 pub mod winner;
 
 pub use engine::TwinEngine;

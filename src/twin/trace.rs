@@ -211,7 +211,7 @@ pub fn segment_blocked(geometry: &Geometry, a: Vec3, b: Vec3, skip: [u32; 2]) ->
 /// The tile of a triangle that holds barycentric coordinates (b1, b2). Rows run along b1; row i has
 /// `2(split - i) - 1` tiles, lower and upper triangles in turn. In flatland tiles follow one another along the segment.
 pub fn tile_of(flatland: bool, tri: &Tri, b1: f32, b2: f32) -> u32 {
-    let n = tri.split;
+    let n = tri.cuts();
     if flatland {
         return tri.first_tile + ((b1.max(0.0) * n as f32) as u32).min(n - 1);
     }

@@ -105,11 +105,13 @@ fn places(geometry: &Geometry, nodes: &[Node]) -> Vec<Point> {
     nodes.iter().map(place).collect()
 }
 
-/// The share of each node's hemisphere that holds front faces, by cosine rays: what its row should sum to.
+/// The share of each node's hemisphere that holds front faces, and of their light that arrives, by cosine rays: what its row
+/// should sum to.
 pub fn visible<E: Engine>(engine: &mut E, geometry: &Geometry, nodes: &[Node], seed: u32) -> Result<Vec<f64>> {
     let from = engine.upload(&places(geometry, nodes))?;
     let rays = engine.shoot(&from, seed, 0, VIEW_RAYS)?;
     let hits = engine.points(&rays)?;
-    let share = |own: &[Point]| own.iter().filter(|p| p.kind == kind::FRONT).count() as f64 / own.len() as f64;
+    let front = |p: &&Point| p.kind == kind::FRONT;
+    let share = |own: &[Point]| own.iter().filter(front).map(|p| geometry.arriving(p)).sum::<f64>() / own.len() as f64;
     Ok(hits.chunks_exact(VIEW_RAYS as usize).map(share).collect())
 }

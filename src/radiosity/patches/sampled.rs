@@ -217,7 +217,7 @@ fn strata(sides: u8, seed: u32) -> impl Iterator<Item = (f64, f64)> {
 /// What a point sees.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Share of the view that meets front faces which reflect or emit.
+    /// Share of the view that meets front faces which reflect or emit, and of their light that arrives.
     light: f64,
     /// Covered: no front face in sight, and back faces in a quarter of the view.
     dead: bool,
@@ -238,7 +238,8 @@ fn look<E: Engine>(
         out.extend(engine.points(&hits)?.chunks_exact(rays as usize).map(|hits| {
             let share = |f: &dyn Fn(&Point) -> bool| hits.iter().filter(|p| f(p)).count() as f64 / rays as f64;
             let front = share(&|p| p.kind == kind::FRONT);
-            let light = share(&|p| p.kind == kind::FRONT && geometry.is_live(p.tri as usize));
+            let lit = |p: &&Point| p.kind == kind::FRONT && geometry.is_live(p.tri as usize);
+            let light = hits.iter().filter(lit).map(|p| geometry.arriving(p)).sum::<f64>() / rays as f64;
             Seen { light, dead: front == 0.0 && share(&|p| p.kind == kind::BACK) >= 0.25 }
         }));
         progress.tick()?;

@@ -1,6 +1,6 @@
 //! Materials of a glTF file: the diffuse and the emitting part.
 
-use crate::scene::mtl::{GREY, not_quite_one};
+use crate::scene::mtl::{GREY, grey_mirror, not_quite_one};
 use crate::scene::unread::Unread;
 use crate::scene::{Material, Scene};
 use gltf::json::material::AlphaMode;
@@ -82,7 +82,10 @@ impl<'a> Materials<'a> {
                 self.unread.add(what, &place);
             }
         }
-        if pbr.metallic_factor.0 > 0.0 {
+        // An ideal mirror: a metal that is not rough, and is no lamp. Without a texture that says otherwise.
+        let smooth = pbr.metallic_factor.0 == 1.0 && pbr.roughness_factor.0 == 0.0 && pbr.metallic_roughness_texture.is_none();
+        let mirror = smooth && m.emissive_factor.0 == [0.0; 3];
+        if pbr.metallic_factor.0 > 0.0 && !mirror {
             self.metallic.add(&format!("'{name}'"), format_args!("metallicFactor {}", pbr.metallic_factor.0));
         }
         let strength =
@@ -91,6 +94,9 @@ impl<'a> Materials<'a> {
         let place = format!("{}: materials[{index}]", self.path.display());
         let reflectance = not_quite_one([r, g, b], &name, &place, warnings);
         self.two_sided.push(m.double_sided);
+        if mirror {
+            return Material::new_mirror(&name, grey_mirror(reflectance, &name, &place, warnings));
+        }
         Material::new(&name, reflectance, m.emissive_factor.0.map(|e| e as f64 * strength))
     }
 }

@@ -19,6 +19,14 @@ pub struct Document {
     pub material: Vec<Spanned<Material>>,
     #[serde(default)]
     pub camera: Vec<Spanned<Camera>>,
+    pub medium: Option<Spanned<Medium>>,
+}
+
+/// What fills the scene.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Medium {
+    pub absorption: f64,
 }
 
 /// Another scene file, and where it stands.
@@ -81,6 +89,7 @@ pub enum Side {
 pub struct Material {
     pub name: String,
     pub reflectance: Option<Values>,
+    pub mirror: Option<f64>,
     pub radiance: Option<Values>,
     pub radiosity: Option<Values>,
     pub lumens: Option<f64>,

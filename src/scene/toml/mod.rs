@@ -38,8 +38,13 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
     let mut scene = Scene { name: path.display().to_string(), ..Scene::default() };
 
     // Files, placed; then meshes.
-    let overridden: Vec<String> =
-        document.material.iter().map(|m| m.as_ref()).filter(|m| m.reflectance.is_some()).map(|m| m.name.clone()).collect();
+    let overridden: Vec<String> = document
+        .material
+        .iter()
+        .map(|m| m.as_ref())
+        .filter(|m| m.reflectance.is_some() || m.mirror.is_some())
+        .map(|m| m.name.clone())
+        .collect();
     for entry in &document.file {
         let from = From::end(&scene);
         file(&at, entry.span(), entry.as_ref(), &overridden, reader, &mut scene)?;
@@ -85,6 +90,13 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
     sides::mirror(&mut scene, |face| reader.options.two_sided || names[face.material as usize]);
     for entry in &document.material {
         material(&at, entry.span(), entry.as_ref(), reader.options.unit, &mut scene)?;
+    }
+    if let Some(medium) = &document.medium {
+        scene.absorption = medium.as_ref().absorption;
+        if !(scene.absorption >= 0.0 && scene.absorption.is_finite()) {
+            let what = format!("is a medium of absorption {}; give 1/m, 0 or more", scene.absorption);
+            return Err(at.fault(medium.span(), &what));
+        }
     }
     for entry in &document.camera {
         let c = entry.as_ref();
@@ -312,11 +324,28 @@ fn material(at: &Place, span: Range<usize>, entry: &document::Material, unit: f6
     if entry.color.is_some() && entry.lumens.is_none() {
         return Err(fault("has a color without lumens; give radiance or radiosity as three numbers instead"));
     }
+    if entry.mirror.is_some() && (entry.reflectance.is_some() || radiance.is_some()) {
+        return Err(fault("is a mirror beside a reflectance or light of its own; a mirror has its own reflectance alone"));
+    }
+    if let Some(mirror) = entry.mirror.filter(|m| !(0.0..1.0).contains(m)) {
+        return Err(fault(&format!("is a mirror of reflectance {mirror}; give a number in [0, 1)")));
+    }
     let reflectance = entry.reflectance.map(|r| not_quite_one(r.three(), &entry.name, &place, &mut scene.warnings));
     for m in of_name {
         let material = &mut scene.materials[m];
         material.reflectance = reflectance.unwrap_or(material.reflectance);
         material.emission = radiance.unwrap_or(material.emission);
+        if let Some(mirror) = entry.mirror {
+            if material.emission != [0.0; 3] {
+                let what =
+                    format!("material '{}' shines in its file and is a mirror here, and its light is left out", entry.name);
+                scene.warnings.push(format!("{place}: {what}; name the lamp's material otherwise"));
+            }
+            *material = Material::new_mirror(&entry.name, mirror);
+        } else if reflectance.is_some() || radiance.is_some() {
+            // What a file took for a mirror is what the table says.
+            material.mirror = 0.0;
+        }
         scene.material_places[m] = place.clone();
     }
     Ok(())
