@@ -130,9 +130,9 @@ pub struct Tile {
 
 /// A surface point; two consecutive ones are the two ends of a ray (32 bytes).
 ///
-/// Where light is lost on its way ([`crate::scene::Geometry::is_lossy`]) the ends of a ray differ. Its start's weight is w,
-/// its end's w times the share T of the light that arrives; its start's density, once w is known, is the share that mirrors
-/// take, its end's the whole way's length. A hit of pass `shoot` has T for its density.
+/// Where light is lost on its way ([`crate::scene::Geometry::is_lossy`]) the densities of a ray, once its weight is known, are
+/// others: its end's is the share T of its light that arrives, also at a hit of pass `shoot`; its start's the share that
+/// mirrors take.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Point {

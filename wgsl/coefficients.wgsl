@@ -53,6 +53,9 @@ fn add_row(word: u32, value: f32) {
     }
 }
 
+// Masses take the whole ray, cells what of its light arrives.
+var<private> carried: f32;
+
 // Finds or takes the slot of a node in a row and adds to it.
 fn add(row: u32, node: u32, value: f32, first: f32, second: f32) {
     let key = node + 1u;
@@ -76,9 +79,15 @@ fn add(row: u32, node: u32, value: f32, first: f32, second: f32) {
         atomicMax(&overflow[0], 1u);
         return;
     }
-    add_row(at + 2u, value);
-    add_row(at + 4u, first);
-    add_row(at + 6u, second);
+    if LOSSY {
+        add_row(at + 2u, value * carried);
+        add_row(at + 4u, first * carried);
+        add_row(at + 6u, second * carried);
+    } else {
+        add_row(at + 2u, value);
+        add_row(at + 4u, first);
+        add_row(at + 6u, second);
+    }
 }
 
 @compute @workgroup_size(64)
@@ -94,6 +103,10 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     let cell = winners[d];
     let counts = points[d].kind == FRONT && cell >= params.first && cell < params.end;
     let row = 2u * (cell - params.first);
+
+    if LOSSY {
+        carried = points[d | 1u].density;
+    }
 
     // Whatever arrives around a node has mass; the receiver end deposits.
     let here = psi[d];

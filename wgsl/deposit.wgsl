@@ -44,6 +44,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if (params.known & 2u) != 0u {
         sent = material.rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
     }
+    if LOSSY {
+        sent *= points[d | 1u].density;
+    }
     for (var k = 0u; k < 4u; k++) {
         let weight = psi[d].weight[k];
         if weight > 0.0 {

@@ -38,6 +38,10 @@ const FEW: u32 = 64u;
 
 // Whether cosine directions have a share in what is found at p: near an emitter, or among many.
 fn is_near(p: vec3<f32>) -> bool {
+    // Light over mirrors comes from cosine directions alone.
+    if MIRRORS {
+        return true;
+    }
     if params.emitters > FEW {
         return true;
     }
@@ -63,6 +67,10 @@ fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>, cosine: u32) -> vec3<f
     let g = kernel_g(x, tri_normal(there), p, tri_normal(tri));
     let planes = vec2<u32>(tri_plane(tri), tri_plane(there));
     if g > 0.0 && planes.x != planes.y && !segment_blocked(p, x, planes) {
+        if SIGMA > 0.0 {
+            let light = materials[tri_material(there)].emit * (g / (ne * emitters[drawn.index].density + nc * g));
+            return light * between(p, x);
+        }
         return materials[tri_material(there)].emit * (g / (ne * emitters[drawn.index].density + nc * g));
     }
     return vec3<f32>();
@@ -80,9 +88,17 @@ fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
         let emit = materials[tri_material(met.hit.tri)].emit;
         let total = emit.x + emit.y + emit.z;
         if total > 0.0 {
+            if MIRRORS {
+                if way.mirrors > 0u {
+                    return emit * (way.share / nc);
+                }
+            }
             let cos_y = dot3(n, direction);
             let cos_x = -dot3(tri_normal(met.hit.tri), direction);
             let g = geometric(cos_x, cos_y, met.hit.t);
+            if SIGMA > 0.0 {
+                return (emit * (g / (ne * total * params.emitter_density + nc * g))) * way.share;
+            }
             return emit * (g / (ne * total * params.emitter_density + nc * g));
         }
     }

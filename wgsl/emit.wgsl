@@ -67,6 +67,13 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         s.weight = 1.0 / (n * density);
         atomicStore(&suspects[1u + atomicAdd(&suspects[0], 1u)], item);
     }
+    if LOSSY {
+        s.density = way.mirrored;
+        end.density = way.share;
+        if met.kind == SKY {
+            end.p = way.direction;
+        }
+    }
     points[2u * item] = s;
     points[2u * item + 1u] = end;
     finish();

@@ -38,6 +38,12 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         source = materials[material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)));
     }
     let at = WORDS * winners[d];
-    add_sum(at, w, POWER);
-    add_sum3(at + 2u, w * source, POWER);
+    if LOSSY {
+        let carried = w * points[d | 1u].density;
+        add_sum(at, carried, POWER);
+        add_sum3(at + 2u, carried * source, POWER);
+    } else {
+        add_sum(at, w, POWER);
+        add_sum3(at + 2u, w * source, POWER);
+    }
 }

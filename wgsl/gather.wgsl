@@ -55,7 +55,11 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             if params.exact == 1u {
                 d = direct[at].sum / f32(max(direct[at].rounds, 1u));
             }
-            sum += rho * (d + light[at].xyz);
+            if LOSSY {
+                sum += (rho * (d + light[at].xyz)) * hits[at].density;
+            } else {
+                sum += rho * (d + light[at].xyz);
+            }
         }
     }
     unfinished = unfinished || k < params.end;

@@ -1,6 +1,7 @@
 // Pass kernel: G V on consecutive pairs of surface points, per local area. Twin: src/twin/kernel.rs.
 #import layout
 #import ray
+#import medium
 
 struct Params {
     base: u32,
@@ -28,6 +29,9 @@ fn pair(x: u32, y: u32) -> f32 {
     }
     let g = kernel_g(points[x].p, tri_normal(tx), points[y].p, tri_normal(ty));
     if g > 0.0 && !segment_blocked(points[x].p, points[y].p, planes) {
+        if SIGMA > 0.0 {
+            return g * between(points[x].p, points[y].p);
+        }
         return g;
     }
     return 0.0;

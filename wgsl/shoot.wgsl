@@ -34,7 +34,13 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if tri != NONE {
         let u = sobol4(k, seed_of(params.seed, i));
         let met = first_hit(tri, points[i].p, cosine_direction(tri_normal(tri), unit(u.x), unit(u.y)));
-        if met.kind != SKY {
+        if LOSSY {
+            if met.hit.tri != NONE {
+                p = surface_point(met.hit.tri, met.hit.b1, met.hit.b2);
+                p.weight = met.hit.t;
+            }
+            p.density = way.share;
+        } else if met.kind != SKY {
             p = surface_point(met.hit.tri, met.hit.b1, met.hit.b2);
             p.weight = met.hit.t;
         }

@@ -31,6 +31,10 @@ pub(crate) struct Look {
     pub lines: u32,
     /// Share of the arriving light that has been reflected before.
     pub reflected: f64,
+    /// Share of the rays from surfaces that meet a mirror.
+    pub over_mirrors: f64,
+    /// Share of their light that the medium takes on the way.
+    pub in_medium: f64,
     /// Reflections after which less than a thousandth of the arriving light is still to come.
     pub bounces: usize,
 }
@@ -39,6 +43,8 @@ pub(crate) struct Look {
 struct Path {
     /// Whether a line to an emitter would carry light, and whether it is blocked.
     line: Option<bool>,
+    /// Whether its first ray meets a mirror, and what the medium takes on that ray's way.
+    way: (bool, f32),
     /// Light that arrives after so many reflections, mean over the bands.
     light: [f32; BOUNCES + 1],
 }
@@ -59,7 +65,14 @@ impl Look {
         let sum = |n: usize| paths.iter().map(|p| f64::from(p.light[n])).sum::<f64>();
         let by_bounce: Vec<f64> = (0..=BOUNCES).map(sum).collect();
         let all: f64 = by_bounce.iter().sum();
-        let seen = Look { blocked: f64::from(blocked) / f64::from(count.max(1)), lines: count, ..Look::default() };
+        let share = |of: &dyn Fn(&Path) -> f64| paths.iter().map(of).sum::<f64>() / paths.len() as f64;
+        let seen = Look {
+            blocked: f64::from(blocked) / f64::from(count.max(1)),
+            lines: count,
+            over_mirrors: share(&|p| f64::from(u8::from(p.way.0))),
+            in_medium: share(&|p| p.way.1.into()),
+            ..Look::default()
+        };
         if all <= 0.0 {
             return seen;
         }
@@ -78,12 +91,16 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
     let mut light = [0.0; BOUNCES + 1];
     light[0] = mean(round(geometry, tri, p, seed_of(SEED, i), 0, END));
     let mut through = Vec3::ONE;
+    let mut first = (false, 0.0);
     for (n, arrived) in light.iter_mut().enumerate().skip(1) {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32));
         let direction =
             cosine_direction(geometry.flatland, Vec3::from(geometry.tris[tri as usize].normal), unit(u[0]), unit(u[1]));
         let way = follow(geometry, tri, p, direction);
         let hit = way.hit;
+        if n == 1 {
+            first = (way.mirrors > 0, 1.0 - way.share - way.mirrored);
+        }
         if way.kind != kind::FRONT {
             break;
         }
@@ -96,7 +113,7 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
         let u = sobol4(i, seed_of(SEED, 2 * n as u32 + 1));
         *arrived = mean(through * direct(geometry, tri, p, u));
     }
-    Path { line, light }
+    Path { line, way: first, light }
 }
 
 /// Direct light at a path's later ends: one sample of the emitters, and one direction.

@@ -8,6 +8,7 @@ mod light;
 mod names;
 mod occlusion;
 mod switches;
+mod way;
 
 pub use names::Name;
 pub use switches::{Switches, drop_below};
@@ -43,9 +44,9 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
             Name::Textures => unread(scene, name, &["map_Kd", "map_Ke", "texture"]),
             Name::Environment => unread(scene, name, &["environment", "sky"]),
             Name::Lights => unread(scene, name, &["KHR_lights_punctual", "point light"]),
-            Name::Mirrors => unread(scene, name, &["Ks", "Ns", "illum", "metallic", "roughness"]),
+            Name::Mirrors => way::mirrors(scene, geometry, &look),
             Name::Transparency => unread(scene, name, &["map_d", "Tr", "Tf", "Ni", "alphaMode", "transmission"]),
-            Name::Medium => unread(scene, name, &["medium", "fog"]),
+            Name::Medium => way::medium(scene, geometry, &look),
         })
         .collect()
 }

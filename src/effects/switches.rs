@@ -104,6 +104,17 @@ fn switch(scene: &mut Scene, name: Name, on: bool, there: bool) -> Result<()> {
             }
             Ok(())
         }
+        (Name::Mirrors, false) => {
+            // As much light as they reflect, but diffusely.
+            for m in scene.materials.iter_mut().filter(|m| m.mirror > 0.0) {
+                (m.reflectance, m.mirror) = ([m.mirror; 3], 0.0);
+            }
+            Ok(())
+        }
+        (Name::Medium, false) => {
+            scene.absorption = 0.0;
+            Ok(())
+        }
         (Name::Direct | Name::TwoSided | Name::Flatland, false) => refused("the scene is made of it; change the scene instead"),
         (_, false) => refused("it cannot be switched off"),
     }

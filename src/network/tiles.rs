@@ -144,8 +144,8 @@ pub fn node_density<E: Engine>(
                 continue;
             }
             let d: f64 = (0..3).map(|k| (ray[0].p[k] as f64 - ray[1].p[k] as f64).powi(2)).sum::<f64>().sqrt();
-            // Over a mirror the whole way counts.
-            let d = if geometry.is_lossy() { ray[1].density.into() } else { d };
+            // Over a mirror the way is longer than the ends are apart: about a room's length.
+            let d = if geometry.mirrors && ray[0].density > 0.0 { d.max(geometry.unit) } else { d };
             let close = d.max(spacing / 8.0).powi(-2);
             for (y, x) in [(&ray[0], &ray[1]), (&ray[1], &ray[0])] {
                 let rho = mean(&geometry.material_at(y).rho.map(f64::from));

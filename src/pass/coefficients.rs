@@ -121,7 +121,7 @@ pub fn coefficients(
                 overflow.buffer(),
                 gpu.status(),
             ];
-            gpu.run(&KERNEL, &params, &buffers, batch.points.len(), HEAVY)?;
+            gpu.run(&KERNEL.with(scene.sums), &params, &buffers, batch.points.len(), HEAVY)?;
             gpu.check_finished()?;
             beat()?;
         }
@@ -169,7 +169,7 @@ fn flux(gpu: &Gpu, scene: &SceneBuffers, batches: &[Rays], normalise: f32, cells
             batch.direct.unwrap_or(&none).bound(),
             sums.bound(),
         ];
-        gpu.run(&scene.reader(FLUX), &params, &buffers, batch.points.len(), LIGHT)?;
+        gpu.run(&scene.summing(FLUX), &params, &buffers, batch.points.len(), LIGHT)?;
     }
     gpu.read(&sums)
 }

@@ -50,5 +50,5 @@ pub fn deposit(
         light.unwrap_or(&dark).bound(),
         sums.bound(),
     ];
-    gpu.run(&scene.reader(KERNEL), &params, &buffers, points.len(), LIGHT)
+    gpu.run(&scene.summing(KERNEL), &params, &buffers, points.len(), LIGHT)
 }

@@ -58,7 +58,7 @@ pub fn gather(
         let end = (first + HITS).min(rays);
         let (lit, exact) = (light.is_some() as u32, direct.is_some() as u32);
         let params = Params { flag: gpu.flag(&KERNEL), rays, first, end, lit, exact, ..Params::default() };
-        gpu.run(&scene.reader(KERNEL), &params, &buffers, points, LIGHT / (end - first))?;
+        gpu.run(&scene.summing(KERNEL), &params, &buffers, points, LIGHT / (end - first))?;
         first = end;
     }
     Ok(gathered)

@@ -34,43 +34,55 @@ const KERNELS: &[Kernel] = &[
     sentinel::KERNEL,
     accumulate::KERNEL,
     adapt::KERNEL,
-    coefficients::KERNEL,
-    coefficients::FLUX,
-    deposit::KERNEL,
     feature::KERNEL,
-    gather::KERNEL,
     jacobi::BETA,
     jacobi::UPDATE,
     readout::KERNEL,
     respond::KERNEL,
     winner::KERNEL,
 ];
+/// Those that sum what rays have carried.
+const SUMS: &[Kernel] = &[coefficients::KERNEL, coefficients::FLUX, deposit::KERNEL, gather::KERNEL];
 /// Those that look at surfaces, each once for every space.
 const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit::PROBE, shoot::KERNEL];
 
 /// What sets the shaders to what a scene calls for.
 fn constants(called: &Called) -> Constants {
-    Constants::NONE.with("FLATLAND", called.flatland).with("OCCLUSION", called.occlusion)
+    let space = Constants::NONE.with("FLATLAND", called.flatland).with("OCCLUSION", called.occlusion);
+    let lossy = space.with("LOSSY", called.is_lossy());
+    lossy.with("MIRRORS", called.mirrors).with("SIGMA", called.sigma)
+}
+
+/// The same of kernels that shoot no rays and sum what rays have carried.
+fn sums(called: &Called) -> Constants {
+    if called.is_lossy() { Constants::NONE.with("LOSSY", true) } else { Constants::NONE }
 }
 
 /// Every kernel with every text and every set of constants that it may have.
 pub fn variants() -> Vec<Kernel> {
     let each = [false, true];
-    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion, grey: false }));
+    let spaces = each.into_iter().flat_map(|flatland| each.map(|occlusion| (flatland, occlusion)));
+    let ways = [(false, 0.0), (true, 0.0), (false, 0.5), (true, 0.5)];
+    let call = |(flatland, occlusion)| {
+        ways.map(move |(mirrors, sigma)| Called { flatland, occlusion, grey: false, mirrors, sigma })
+    };
+    let calls = spaces.flat_map(call);
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
     let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
+    let summing = [Constants::NONE, Constants::NONE.with("LOSSY", true)].into_iter();
+    let summing = summing.flat_map(|constants| SUMS.iter().map(move |k| k.with(constants)));
     let grey = [jacobi::BETA, jacobi::UPDATE].map(|k| k.grey(true));
-    let all = KERNELS.iter().copied().chain(grey).chain(spatial);
+    let all = KERNELS.iter().copied().chain(grey).chain(summing).chain(spatial);
     all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
 }
 
 /// The kernels that bakes and read-outs of a scene use on a device.
 pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
     let called = Called::by_scene(scene);
-    let constants = constants(&called);
+    let (constants, sums) = (constants(&called), sums(&called));
     let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
     let paged = bytes > device.limits().max_storage_buffer_binding_size;
-    let all = KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants)));
+    let all = KERNELS.iter().copied().chain(SUMS.iter().map(|k| k.with(sums))).chain(SPATIAL.iter().map(|k| k.with(constants)));
     let in_bands = |k: &Kernel| [jacobi::BETA.name, jacobi::UPDATE.name].contains(&k.name);
     all.map(|k| k.paged(paged && k.buffers.contains(&Access::Scene)).grey(called.grey && in_bands(&k))).collect()
 }
@@ -109,6 +121,8 @@ pub struct SceneBuffers {
     pub tile_tri: GpuVec<u32>,
     /// What sets the shaders to what it calls for.
     constants: Constants,
+    /// The same of kernels that sum what rays have carried.
+    sums: Constants,
     /// Whether hierarchy and triangles are paged.
     paged: bool,
 }
@@ -128,6 +142,7 @@ impl SceneBuffers {
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
             constants: constants(&Called::by(geometry)),
+            sums: sums(&Called::by(geometry)),
             paged,
         })
     }
@@ -135,6 +150,11 @@ impl SceneBuffers {
     /// A kernel that looks at surfaces, set to this scene's space and size.
     fn kernel(&self, kernel: Kernel) -> Kernel {
         self.reader(kernel).with(self.constants)
+    }
+
+    /// A kernel that sums what rays have carried, set to this scene's losses and size.
+    fn summing(&self, kernel: Kernel) -> Kernel {
+        self.reader(kernel).with(self.sums)
     }
 
     /// A kernel that reads triangles, set to this scene's size.

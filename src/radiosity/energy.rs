@@ -52,7 +52,7 @@ pub fn account<E: Engine>(
             let one_way = y.kind == kind::SKY || y.kind == kind::BACK || y.kind == kind::LOST;
             let x = d ^ 1;
             let (start, end) = (&points[d & !1], &points[d | 1]);
-            let mut w = f64::from(start.weight);
+            let mut w = if one_way { points[x].weight } else { y.weight } as f64;
             if w <= 0.0 || (one_way && d % 2 == 0) {
                 continue;
             }
@@ -60,13 +60,13 @@ pub fn account<E: Engine>(
             if lossy {
                 // What is lost on the way, and the rest that arrives.
                 let on_mirrors = w * f64::from(start.density);
-                let in_medium = w - f64::from(end.weight) - on_mirrors;
+                let in_medium = w - w * f64::from(end.density) - on_mirrors;
                 for k in 0..3 {
                     mirrors[k] += on_mirrors * s[k];
                     medium[k] += in_medium * s[k];
                     lost += if y.kind == kind::LOST { w * s[k] } else { 0.0 };
                 }
-                w = end.weight.into();
+                w *= f64::from(end.density);
             }
             for k in 0..3 {
                 match y.kind {

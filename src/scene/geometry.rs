@@ -123,6 +123,29 @@ fn is_thin(corners: [[f64; 3]; 3], double_area: f64) -> bool {
     double_area <= longest * 1e-9
 }
 
+/// Centre of the faces that have an area, and the power of two that brings half the longest side of their box into
+/// (0.5, 1], in f64; none where there are none.
+pub(super) fn frame(scene: &Scene) -> Option<([f64; 3], f64)> {
+    let flatland = scene.is_flatland();
+    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
+    for i in 0..scene.faces.len() {
+        let corners = scene.corners(i);
+        let normal = double_normal(flatland, corners);
+        if is_thin(corners, dot(normal, normal).sqrt()) {
+            continue;
+        }
+        for v in corners {
+            for k in 0..3 {
+                low[k] = low[k].min(v[k]);
+                high[k] = high[k].max(v[k]);
+            }
+        }
+    }
+    let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
+    let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
+    (half > 0.0 && half.is_finite()).then(|| (center, power_of_two_for(half)))
+}
+
 impl Geometry {
     /// As [`Geometry::new`], for a bake with these parameters.
     ///
@@ -158,28 +181,8 @@ impl Geometry {
         scene.check()?;
         let empty = || Error::EmptyScene { scene: scene.name.clone() };
 
-        // Bound the faces that have an area, recentre, and scale by a power of two, all in f64.
         let flatland = scene.is_flatland();
-        let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-        for i in 0..scene.faces.len() {
-            let corners = scene.corners(i);
-            let normal = double_normal(flatland, corners);
-            if is_thin(corners, dot(normal, normal).sqrt()) {
-                continue;
-            }
-            for v in corners {
-                for k in 0..3 {
-                    low[k] = low[k].min(v[k]);
-                    high[k] = high[k].max(v[k]);
-                }
-            }
-        }
-        let center = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
-        let half = (0..3).map(|k| high[k] - center[k]).fold(0.0, f64::max);
-        if half <= 0.0 || !half.is_finite() {
-            return Err(empty());
-        }
-        let scale = power_of_two_for(half);
+        let (center, scale) = frame(scene).ok_or_else(empty)?;
         let local = |v: &[f64; 3]| [0, 1, 2].map(|k| (v[k] - center[k]) * scale);
         let locals: Vec<[f32; 3]> = scene.vertices.iter().map(|v| local(v).map(|x| x as f32)).collect();
         let places = places(&locals);

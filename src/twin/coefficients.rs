@@ -28,11 +28,11 @@ pub fn offsets(node: &Node, p: Vec3) -> (f32, f32) {
     (d.dot(t1), d.dot(t2))
 }
 
-fn add(row: &mut BTreeMap<u32, Slot>, node: u32, value: f32, first: f32, second: f32) {
+fn add(row: &mut BTreeMap<u32, Slot>, carried: f32, node: u32, value: f32, first: f32, second: f32) {
     let slot = row.entry(node).or_insert(Slot { key: node + 1, ..Slot::default() });
-    slot.value.add(encode(value, UNIT));
-    slot.first.add(encode(first, UNIT));
-    slot.second.add(encode(second, UNIT));
+    slot.value.add(encode(value * carried, UNIT));
+    slot.first.add(encode(first * carried, UNIT));
+    slot.second.add(encode(second * carried, UNIT));
 }
 
 /// Sums one batch of rays. `winners` names the cell of each directed ray; `direct` holds D at every
@@ -56,10 +56,8 @@ pub fn coefficients(
 
     for d in 0..points.len() {
         let y = &points[d];
-        // Masses take the whole ray; cells what of its light arrives. A ray that counts one way has no end that receives.
-        let lossy = geometry.is_lossy();
-        let w = points[if lossy { d & !1 } else { d }].weight * normalise;
-        if w <= 0.0 || (lossy && d % 2 == 1 && y.kind != kind::FRONT) {
+        let w = y.weight * normalise;
+        if w <= 0.0 {
             continue;
         }
         // Whatever arrives around a node has mass, also from the sky and from back faces.
@@ -82,21 +80,22 @@ pub fn coefficients(
             continue;
         }
         let cell = winners[d] as usize;
-        let w = points[if lossy { d | 1 } else { d }].weight * normalise;
+        // Masses take the whole ray, cells what of its light arrives.
+        let carried = if geometry.is_lossy() { points[d | 1].density } else { 1.0 };
         // The receiver end deposits.
         for k in 0..4 {
             if psi[d].weight[k] > 0.0 {
                 let node = psi[d].node[k];
                 let (a, b) = offsets(&surface.nodes[node as usize], Vec3::from(y.p));
                 let v = w * psi[d].weight[k];
-                add(&mut deposit[cell], node, v, v * a, v * b);
+                add(&mut deposit[cell], carried, node, v, v * a, v * b);
             }
         }
         // The emitter end gathers; an orphan borrows the value of the node it names.
         let (x, px) = (&points[d ^ 1], &psi[d ^ 1]);
         if px.is_orphan() {
             if px.node[0] != NONE {
-                add(&mut gather[cell], px.node[0], w, 0.0, 0.0);
+                add(&mut gather[cell], carried, px.node[0], w, 0.0, 0.0);
             }
         } else {
             for k in 0..4 {
@@ -104,7 +103,7 @@ pub fn coefficients(
                     let node = px.node[k];
                     let (a, b) = offsets(&surface.nodes[node as usize], Vec3::from(x.p));
                     let v = w * px.weight[k];
-                    add(&mut gather[cell], node, v, v * a, v * b);
+                    add(&mut gather[cell], carried, node, v, v * a, v * b);
                 }
             }
         }
@@ -114,6 +113,7 @@ pub fn coefficients(
             Some(direct) => Vec3::from(material.rho) * Vec3::from(direct[d ^ 1].mean()),
             None => Vec3::from(material.emit),
         };
+        let w = w * carried;
         flux[cell].flux.add(encode(w, UNIT));
         for k in 0..3 {
             flux[cell].source[k].add(encode(w * source[k], UNIT));

@@ -28,17 +28,18 @@ pub fn deposit(
         }
         let material = geometry.material_at(&points[d ^ 1]);
         let h = light.get(d ^ 1).map_or(Vec3::ZERO, |h| Vec3::from_slice(&h[..3]));
-        let sent = match direct {
+        let mut sent = match direct {
             Some(direct) => Vec3::from(material.rho) * (Vec3::from(direct[d ^ 1].mean()) + h),
             None => Vec3::from(material.rho) * h + Vec3::from(material.emit),
         };
-        // The share that arrives is in the weight of the ray's end.
-        let w = points[if geometry.is_lossy() { d | 1 } else { d }].weight * normalise;
+        if geometry.is_lossy() {
+            sent *= points[d | 1].density;
+        }
         for k in 0..4 {
             if psi[d].weight[k] > 0.0 {
                 let node = psi[d].node[k] as usize;
                 let (a, b) = offsets(&surface.nodes[node], Vec3::from(y.p));
-                let v = (w * psi[d].weight[k]) * surface.nodes[node].gain;
+                let v = ((y.weight * normalise) * psi[d].weight[k]) * surface.nodes[node].gain;
                 for band in 0..3 {
                     let s = v * sent[band];
                     sums[node].value[band].add(encode(s, UNIT));

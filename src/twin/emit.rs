@@ -75,11 +75,8 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
                 s.weight = 1.0 / (n * density);
             }
             if geometry.is_lossy() {
-                end.weight = s.weight * way.share;
-                s.density = way.mirrored;
-                if met == kind::FRONT {
-                    end.density = hit.t;
-                } else if met == kind::SKY {
+                (s.density, end.density) = (way.mirrored, way.share);
+                if met == kind::SKY {
                     end.p = way.direction.to_array();
                 }
             }

@@ -7,6 +7,11 @@ const DEAD = 0u; // a start that sees only back faces: takes no part
 const FRONT = 1u; // both ends on front faces
 const SKY = 2u; // the ray left the scene
 const BACK = 3u; // the ray ended on a back face
+const LOST = 4u; // the ray was given up between mirrors
+
+// Whether light is lost on its way, at mirrors or to a medium. The density of a ray's end, and of a shot ray's hit, is then
+// the share of its light that arrives, that of a ray's start the share that mirrors take.
+override LOSSY: bool = false;
 
 // Texels in a row, and rows in a layer, of records that are paged.
 const ROW = 2048u;

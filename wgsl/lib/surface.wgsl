@@ -1,6 +1,7 @@
 // Points on triangles and what their rays meet: the rest of src/twin/trace.rs, and the helpers of
 // src/twin/emit.rs. The kernel binds what lib/ray.wgsl asks for.
 #import ray
+#import way
 
 // The tile of a triangle, or flatland segment, that holds barycentric coordinates.
 fn tile_of(tri: u32, b1: f32, b2: f32) -> u32 {
@@ -74,8 +75,11 @@ struct Met {
     hit: Hit,
 }
 
-// What a ray from a point on triangle `tri` meets.
+// What a ray from a point on triangle `tri` meets, along mirrors.
 fn first_hit(tri: u32, p: vec3<f32>, direction: vec3<f32>) -> Met {
+    if LOSSY {
+        return along(tri_plane(tri), p, direction);
+    }
     let hit = walk(p, direction, F32_MAX, vec2<u32>(tri_plane(tri), NONE), false);
     if hit.tri == NONE {
         return Met(SKY, hit);
