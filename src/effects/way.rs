@@ -1,7 +1,7 @@
 //! What happens to light on its way: ideal mirrors send it on, a medium absorbs it.
 
 use super::light::Look;
-use super::{Name, percent, told, unread};
+use super::{Name, percent, shared, told, unread};
 use crate::output::report::EffectReport;
 use crate::scene::{Geometry, Scene};
 
@@ -35,5 +35,5 @@ pub(super) fn medium(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectR
     }
     let absorbs = scene.absorption;
     let why = format!("the medium absorbs {absorbs} /m; it takes {} of a ray's light on its way", percent(look.in_medium));
-    told(Name::Medium, true, why, "an exponential for every ray and shadow ray")
+    shared(told(Name::Medium, true, why, "an exponential for every ray and shadow ray"), look.in_medium)
 }

@@ -3,3 +3,5 @@
 mod absent;
 #[path = "../common/mod.rs"]
 mod common;
+mod medium;
+mod mirrors;
