@@ -136,6 +136,8 @@ pub trait Engine: Responder {
 
     /// Waits until all passes asked for so far are done; for honest timings.
     fn finish(&mut self) -> Result<()>;
+    /// Whether the scene has mirrors.
+    fn has_mirrors(&self) -> bool;
     /// Seconds spent compiling kernels so far.
     fn compile_seconds(&self) -> f64;
     /// Lines of sight to emitters that have been walked so far; those that carry no light are counted, too.

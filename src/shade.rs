@@ -19,10 +19,16 @@ const HITS: usize = 262_144;
 const ROUND: Samples = Samples { emitter: 24, cosine: 8 };
 /// The same where few samples are allowed.
 const SMALL_ROUND: Samples = Samples { emitter: 6, cosine: 2 };
+/// The same where there are mirrors: light over them comes from cosine directions alone. A round is short, as its ways may be
+/// long.
+const MIRROR_ROUND: Samples = Samples { emitter: 4, cosine: 12 };
 /// Samples below which rounds are small.
 const FEW_SAMPLES: u32 = 1_024;
 /// Rounds before the error of direct light is looked at.
 const FIRST_ROUNDS: u32 = 8;
+/// Of all rounds the share that comes before that look where there are mirrors: a lamp that is seen in one only is found by
+/// few directions, and what none has found does not scatter.
+const FIRST_OVER_MIRRORS: u32 = 4;
 /// Samples that have to miss every emitter before a point is taken to see none.
 const DARK_SAMPLES: u32 = 256;
 /// Most rays of direct light between two moments at which the caller may stop.
@@ -223,22 +229,28 @@ pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &P
 }
 
 /// The samples of a round of direct light at a point, and the most rounds.
-fn rounds(params: &Params) -> (Samples, u32) {
-    let round = if params.direct_samples < FEW_SAMPLES { SMALL_ROUND } else { ROUND };
+fn rounds(params: &Params, mirrors: bool) -> (Samples, u32) {
+    let round = if mirrors {
+        MIRROR_ROUND
+    } else if params.direct_samples < FEW_SAMPLES {
+        SMALL_ROUND
+    } else {
+        ROUND
+    };
     (round, (params.direct_samples / (round.emitter + round.cosine)).max(2))
 }
 
 /// The samples of a round of direct light, and the rounds before its scatter is looked at.
-pub(crate) fn first_rounds(params: &Params) -> (Samples, u32) {
-    let (round, most) = rounds(params);
-    (round, FIRST_ROUNDS.min((most / 8).max(2)))
+pub(crate) fn first_rounds(params: &Params, mirrors: bool) -> (Samples, u32) {
+    let (round, most) = rounds(params, mirrors);
+    (round, if mirrors { (most / FIRST_OVER_MIRRORS).max(2) } else { FIRST_ROUNDS.min((most / 8).max(2)) })
 }
 
 /// The standard error that direct light will be left with at a point, from its first rounds.
-pub(crate) fn direct_error(params: &Params, first: &DirectSum, network: &[f64; 3]) -> f64 {
+pub(crate) fn direct_error(params: &Params, mirrors: bool, first: &DirectSum, network: &[f64; 3]) -> f64 {
     let light = first.mean().iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0 + network.iter().sum::<f64>() / 3.0;
     let (mut error, goal) = (f64::from(first.standard_error()), params.direct_tolerance * light);
-    let (mut rounds, most) = (first.rounds, rounds(params).1);
+    let (mut rounds, most) = (first.rounds, rounds(params, mirrors).1);
     while error > goal && rounds < most {
         // As below: what has been shot is doubled.
         rounds *= 2;
@@ -276,10 +288,11 @@ fn sample_direct<E: Engine>(
     seed: u32,
     progress: &mut Progress,
 ) -> Result<Vec<DirectSum>> {
-    let (round, most) = rounds(params);
+    let mirrors = engine.has_mirrors();
+    let (round, most) = rounds(params, mirrors);
     let rays = round.emitter + round.cosine;
     let mut done = 0;
-    let mut rounds = first_rounds(params).1;
+    let mut rounds = first_rounds(params, mirrors).1;
     let mut active = all.to_vec();
     loop {
         // Rounds add up in their order, however many are asked for at a time.

@@ -155,7 +155,7 @@ fn test<E: Engine>(
     engine.readout(&mut batch)?;
     let network = engine.irradiance(&batch)?;
     let psi = engine.psi(&batch)?;
-    let (samples, rounds) = shade::first_rounds(params);
+    let (samples, rounds) = shade::first_rounds(params, geometry.mirrors);
     engine.direct(&mut batch, None, seed(Stream::TestDirect), 0, rounds, samples)?;
     let direct = engine.direct_sums(&batch)?;
     progress.tick()?;
@@ -207,7 +207,7 @@ fn test<E: Engine>(
         }
         if exact || gathered {
             let rho = tiles::mean(&m.rho.map(f64::from));
-            t.direct = (rho * shade::direct_error(params, &direct[i], &network)).powi(2);
+            t.direct = (rho * shade::direct_error(params, geometry.mirrors, &direct[i], &network)).powi(2);
         }
         Some(t)
     });

@@ -28,6 +28,7 @@ pub struct GpuEngine<'a> {
     /// Whether shadow rays are cast, and how many were.
     occludes: bool,
     shadow_rays: u64,
+    mirrors: bool,
     /// Bytes of colour bands that sweeps have moved.
     band_bytes: u64,
     /// Whether the scene is all grey.
@@ -60,6 +61,7 @@ impl<'a> GpuEngine<'a> {
             surface: SurfaceBuffers::new(gpu, &Surface::default())?,
             light: gpu.alloc("light", 0)?,
             system: SystemBuffers::new(gpu, &System::default(), false)?,
+            mirrors: geometry.mirrors,
             occludes: geometry.occludes && !geometry.emitters.is_empty(),
             shadow_rays: 0,
             band_bytes: 0,
@@ -321,6 +323,10 @@ impl Engine for GpuEngine<'_> {
 
     fn finish(&mut self) -> Result<()> {
         self.gpu.check_finished()
+    }
+
+    fn has_mirrors(&self) -> bool {
+        self.mirrors
     }
 
     fn compile_seconds(&self) -> f64 {

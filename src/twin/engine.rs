@@ -253,6 +253,10 @@ impl Engine for TwinEngine<'_> {
         Ok(())
     }
 
+    fn has_mirrors(&self) -> bool {
+        self.geometry.mirrors
+    }
+
     fn compile_seconds(&self) -> f64 {
         0.0
     }

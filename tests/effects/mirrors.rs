@@ -161,6 +161,8 @@ fn a_room_with_mirrors_is_the_room_unfolded() {
     let (few, many) = (solve(&backend, &folded, &params(65_536)), solve(&backend, &unfolded, &params(131_072)));
     let (a, b) = (radiosity(&backend, &few, &points), radiosity(&backend, &many, &points));
     let off = rrmse(&a, &b);
+    let mean = |b: &[[f64; 3]]| b.iter().map(|b| b[1]).sum::<f64>();
+    eprintln!("mean {:.4}", mean(&a) / mean(&b));
     // Both are estimates, of four times the area the one; what they say of their own errors bounds what lies between.
     let stated = |s: &Solution| s.report().estimated_error.as_ref().unwrap().high;
     eprintln!("{off:.4}, stated {:.4} and {:.4}", stated(&few), stated(&many));
@@ -188,6 +190,8 @@ fn a_room_with_mirrors_meets_its_reference_and_not_without_them() {
     "-mirrors".parse::<raycell::effects::Switches>().unwrap().apply(&mut without).unwrap();
     assert_eq!((without.materials[3].mirror, without.materials[3].reflectance), (0.0, [0.8; 3]));
     let wrong = rrmse(&radiosity(&backend, &solve(&backend, &without, &params), &points), &truth);
+    let mean = |b: &[[f64; 3]]| b.iter().map(|b| b[1]).sum::<f64>();
+    eprintln!("mean {:.4}", mean(&radiosity(&backend, &solution, &points)) / mean(&truth));
     eprintln!("{off:.4} with mirrors, {wrong:.4} without");
     assert!(off < 0.04 && wrong > 3.0 * off, "{off} {wrong}");
 
@@ -268,7 +272,7 @@ fn ways() -> Vec<Geometry> {
     ];
     let flat = vec![
         Material::new("floor", [0.5; 3], [0.0; 3]),
-        Material::new_mirror("mirror", 0.97),
+        Material::new_mirror("mirror", 0.5),
         Material::new("lamp", [0.2; 3], [1.0; 3]),
     ];
     let flat = Scene { absorption: 0.2, ..Scene::from_segments("flat", &segments, flat).unwrap() };
@@ -293,7 +297,7 @@ fn kernels_equal_their_twins() {
         let (rays, got) = (twin.points(&a).unwrap(), device.points(&b).unwrap());
         assert!(share(&rays, &got, same_point) < 4e-3, "emit: {}", share(&rays, &got, same_point));
         kinds.extend(rays.iter().map(|p| p.kind));
-        assert!(rays.chunks_exact(2).any(|r| r[1].density < 0.9 && r[1].density > 0.0), "some light is lost");
+        assert!(rays.chunks_exact(2).any(|r| r[1].density < 0.96 && r[1].density > 0.0), "some light is lost");
 
         // Shot rays, and what they gather.
         let from: Vec<Point> = rays.iter().copied().filter(|p| p.tri != raycell::layout::NONE).take(3_000).collect();
