@@ -419,6 +419,24 @@ fn gltf_nodes_materials_and_cameras() {
 }
 
 #[test]
+fn gltf_metals_without_roughness_are_mirrors() {
+    let made = |material: &str| {
+        let scene = load(&[("s.gltf", gltf(r#"{"mesh": 0}"#, material, "").as_bytes())], &LoadOptions::default()).unwrap();
+        (scene.materials[0].clone(), scene.warnings.join("\n"))
+    };
+    let metal = |color: &str, rough: f64| {
+        format!(r#"{{"name": "m", "pbrMetallicRoughness": {{"baseColorFactor": {color}, "roughnessFactor": {rough}}}}}"#)
+    };
+    assert_eq!(made(&metal("[0.75, 0.75, 0.75, 1]", 0.0)), (Material::new_mirror("m", 0.75), String::new()));
+    let (tinted, told) = made(&metal("[1, 0.5, 0.25, 1]", 0.0));
+    assert!((tinted.mirror - (0.98 + 0.75) / 3.0).abs() < 1e-9 && told.contains("tinted mirror"), "{tinted:?} {told}");
+    let (rough, told) = made(&metal("[0.75, 0.75, 0.75, 1]", 0.25));
+    assert!(rough.mirror == 0.0 && told.contains("metals are taken for diffuse"), "{told}");
+    let lamp = metal("[0.75, 0.75, 0.75, 1]", 0.0).replace("\"name\"", "\"emissiveFactor\": [1, 1, 1], \"name\"");
+    assert_eq!(made(&lamp).0.mirror, 0.0);
+}
+
+#[test]
 fn gltf_faults_are_named_by_their_path() {
     let node = r#"{"mesh": 0}"#;
     let good = gltf(node, GREY, "");

@@ -145,6 +145,7 @@ mod tests {
         differs(key(0.0, 0.5, Params { rays: 2048, ..Params::default() }), "rays was 524288 and is 2048");
         differs(key(0.0, 0.5, Params { norm: Norm::Paper1997, ..Params::default() }), "norm was null and is \"paper1997\"");
         differs(key(0.0, 0.5, Params { cells: Some(99), ..Params::default() }), "cells was null and is 99");
+        differs(Key { absorption: 0.5, ..base.clone() }, "the medium's absorption was 0 /m and is 0.5 /m");
         differs(Key { device: "abacus".into(), ..base.clone() }, "the device was cpu and is abacus");
         differs(Key { raycell: "0.0.0".into(), ..base.clone() }, "version");
         let mut lit = scene(0.0, 0.5);

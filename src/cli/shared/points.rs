@@ -3,6 +3,9 @@
 use crate::solution::{Answer, Status};
 
 pub fn off_surface(answers: &[Answer]) -> String {
-    let n = answers.iter().filter(|a| a.status == Status::OffSurface).count();
-    if n > 0 { format!(" ({n} of {} points are off every surface)", answers.len()) } else { String::new() }
+    let told = |status, what: &str| match answers.iter().filter(|a| a.status == status).count() {
+        0 => String::new(),
+        n => format!(" ({n} of {} points are {what})", answers.len()),
+    };
+    told(Status::OffSurface, "off every surface") + &told(Status::Mirror, "on mirrors, which have no radiosity")
 }
