@@ -28,6 +28,10 @@ const PAPER_NORM: &str = "the norm paper1997 loses energy: rows of the kernel su
                           way (a closed room of reflectance 0.5 gets 1.19 times its own light instead of 2 times); \
                           bake with --norm lambert";
 
+/// What mirrors do not do.
+const OVER_MIRRORS: &str = "light of the sky and of lights without a surface is not followed over mirrors: what mirrors cast of it is missing; \
+                            make lamps of surfaces where that matters";
+
 /// Wall time a stage, added up, and what else the engine tells of itself.
 #[derive(Default)]
 pub(crate) struct Clock {
@@ -106,6 +110,9 @@ impl<'a> Prepared<'a> {
         let mut warnings = doctor::warnings(scene, &geometry);
         if params.norm == Norm::Paper1997 {
             warnings.push(PAPER_NORM.into());
+        }
+        if geometry.mirrors && geometry.is_surfaceless() {
+            warnings.push(OVER_MIRRORS.into());
         }
         for warning in &warnings {
             progress.event(Event::Warning(warning.clone()))?;

@@ -47,11 +47,19 @@ impl Bands {
         if self.grey { 3 } else { size_of::<NodeLight>() / size_of::<f32>() }
     }
 
+    /// Those of cells; one of no light where there are none, as a binding holds one at least.
     fn cells(self, cells: &[[f32; 4]]) -> Vec<f32> {
+        if cells.is_empty() {
+            return vec![0.0; self.of_cell()];
+        }
         cells.iter().flat_map(|c| &c[..self.of_cell()]).copied().collect()
     }
 
+    /// Those of nodes; likewise.
     fn nodes(self, light: &[NodeLight]) -> Vec<f32> {
+        if light.is_empty() {
+            return vec![0.0; self.of_node()];
+        }
         match self.grey {
             true => light.iter().flat_map(|l| [l.h[0], l.g0[0], l.g1[0]]).collect(),
             false => bytemuck::cast_slice(light).to_vec(),
@@ -96,7 +104,7 @@ impl SystemBuffers {
             node_links: gpu.upload("node links", &system.node_links)?,
             planes: gpu.upload("planes", &system.planes)?,
             known: gpu.upload("known light", &bands.nodes(&system.node_source))?,
-            beta: gpu.alloc("beta", cells * bands.of_cell())?,
+            beta: gpu.alloc("beta", cells.max(1) * bands.of_cell())?,
         })
     }
 
@@ -115,6 +123,7 @@ pub fn jacobi(
     light: &[NodeLight],
     sweeps: u32,
 ) -> Result<Vec<NodeLight>> {
+    let nodes_there = light.len();
     let light = gpu.upload("light", &system.bands.nodes(light))?;
     let [cells, nodes] = [BETA, UPDATE].map(|kernel| kernel.grey(system.bands.grey));
     let beta = [
@@ -147,5 +156,7 @@ pub fn jacobi(
         gpu.run_jobs(&[&beta, &update], now)?;
         left -= now;
     }
-    Ok(system.bands.light(&gpu.read_finished(&light, 0, light.len())?))
+    let mut swept = system.bands.light(&gpu.read_finished(&light, 0, light.len())?);
+    swept.truncate(nodes_there);
+    Ok(swept)
 }

@@ -1,3 +1,9 @@
+struct Light {
+    h: vec3<f32>,
+    g0_: vec3<f32>,
+    g1_: vec3<f32>,
+}
+
 struct Link {
     other: u32,
     value: f32,
@@ -10,15 +16,6 @@ struct Material {
     pad0_: u32,
     emit: vec3<f32>,
     pad1_: u32,
-}
-
-struct NodeLight {
-    h: vec3<f32>,
-    pad0_: u32,
-    g0_: vec3<f32>,
-    pad1_: u32,
-    g1_: vec3<f32>,
-    pad2_: u32,
 }
 
 struct Params {
@@ -54,7 +51,7 @@ var<storage> planes: array<Plane>;
 var<storage> materials: array<Material>;
 
 @group(0) @binding(6) 
-var<storage> light: array<NodeLight>;
+var<storage> light: array<Light>;
 
 @group(0) @binding(7) 
 var<storage, read_write> beta: array<vec4<f32>>;
@@ -75,6 +72,18 @@ fn finish() {
     }
 }
 
+fn of_three(b: vec3<f32>) -> vec3<f32> {
+    return b;
+}
+
+fn packed(b_1: vec3<f32>) -> vec4<f32> {
+    return vec4<f32>(b_1, 0f);
+}
+
+fn unpacked(p: vec4<f32>) -> vec3<f32> {
+    return p.xyz;
+}
+
 @compute @workgroup_size(64, 1, 1) 
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     var sum: vec3<f32>;
@@ -87,7 +96,8 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     let _e8 = params.base;
     let c = (_e8 + gid.x);
     let _e13 = source[c];
-    sum = _e13.xyz;
+    let _e14 = unpacked(_e13);
+    sum = _e14;
     let end = offsets[(c + 1u)];
     let _e23 = offsets[c];
     i = _e23;
@@ -101,29 +111,31 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             let _e28 = i;
             let l = links[_e28];
             let _e36 = planes[l.other].material;
-            let rho = materials[_e36].rho;
-            let _e40 = sum;
-            let _e45 = light[l.other].h;
-            let _e52 = light[l.other].g0_;
-            let _e60 = light[l.other].g1_;
-            sum = (_e40 + (rho * (((_e45 * l.value) + (_e52 * l.first)) + (_e60 * l.second))));
+            let _e39 = materials[_e36].rho;
+            let _e40 = of_three(_e39);
+            let _e41 = sum;
+            let _e46 = light[l.other].h;
+            let _e53 = light[l.other].g0_;
+            let _e61 = light[l.other].g1_;
+            sum = (_e41 + (_e40 * (((_e46 * l.value) + (_e53 * l.first)) + (_e61 * l.second))));
         }
         continuing {
-            let _e67 = i;
-            i = (_e67 + 1u);
+            let _e68 = i;
+            i = (_e68 + 1u);
         }
     }
-    let _e71 = unfinished;
-    if !(_e71) {
-        let _e75 = i;
-        local = (_e75 < end);
+    let _e72 = unfinished;
+    if !(_e72) {
+        let _e76 = i;
+        local = (_e76 < end);
     } else {
         local = true;
     }
-    let _e78 = local;
-    unfinished = _e78;
-    let _e81 = sum;
-    beta[c] = vec4<f32>(_e81, 0f);
+    let _e79 = local;
+    unfinished = _e79;
+    let _e82 = sum;
+    let _e83 = packed(_e82);
+    beta[c] = _e83;
     finish();
     return;
 }

@@ -1,17 +1,14 @@
+struct Light {
+    h: vec3<f32>,
+    g0_: vec3<f32>,
+    g1_: vec3<f32>,
+}
+
 struct Link {
     other: u32,
     value: f32,
     first: f32,
     second: f32,
-}
-
-struct NodeLight {
-    h: vec3<f32>,
-    pad0_: u32,
-    g0_: vec3<f32>,
-    pad1_: u32,
-    g1_: vec3<f32>,
-    pad2_: u32,
 }
 
 struct Params {
@@ -41,13 +38,13 @@ var<storage> links: array<Link>;
 var<storage> planes: array<Plane>;
 
 @group(0) @binding(4) 
-var<storage> known: array<NodeLight>;
+var<storage> known: array<Light>;
 
 @group(0) @binding(5) 
 var<storage> beta: array<vec4<f32>>;
 
 @group(0) @binding(6) 
-var<storage, read_write> light: array<NodeLight>;
+var<storage, read_write> light: array<Light>;
 
 @group(0) @binding(7) 
 var<storage, read_write> status: array<atomic<u32>>;
@@ -63,13 +60,13 @@ var<private> unfinished: bool = false;
 fn add(i_1: u32) {
     let l = links[i_1];
     let _e7 = beta[l.other];
-    let b = _e7.xyz;
+    let _e8 = unpacked(_e7);
     let _e10 = h;
-    h = (_e10 + (b * l.value));
+    h = (_e10 + (_e8 * l.value));
     let _e15 = m1_;
-    m1_ = (_e15 + (b * l.first));
+    m1_ = (_e15 + (_e8 * l.first));
     let _e20 = m2_;
-    m2_ = (_e20 + (b * l.second));
+    m2_ = (_e20 + (_e8 * l.second));
     return;
 }
 
@@ -82,6 +79,10 @@ fn finish() {
     } else {
         return;
     }
+}
+
+fn unpacked(p: vec4<f32>) -> vec3<f32> {
+    return p.xyz;
 }
 
 @compute @workgroup_size(64, 1, 1) 
@@ -154,13 +155,13 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let _e79 = local_1;
     unfinished = _e79;
-    let p = planes[j];
+    let p_1 = planes[j];
     let _e86 = h;
-    let _e89 = m1_;
-    let _e93 = m2_;
-    let _e99 = m1_;
-    let _e103 = m2_;
-    light[j] = NodeLight(_e86, 0u, ((_e89 * p.i11_) + (_e93 * p.i12_)), 0u, ((_e99 * p.i12_) + (_e103 * p.i22_)), 0u);
+    let _e88 = m1_;
+    let _e92 = m2_;
+    let _e97 = m1_;
+    let _e101 = m2_;
+    light[j] = Light(_e86, ((_e88 * p_1.i11_) + (_e92 * p_1.i12_)), ((_e97 * p_1.i12_) + (_e101 * p_1.i22_)));
     finish();
     return;
 }
