@@ -410,9 +410,11 @@ fn gltf_nodes_materials_and_cameras() {
     assert_eq!((view.camera.width, view.camera.height), (1024, 512));
     assert!((view.camera.vfov_degrees - 0.5f64.to_degrees()).abs() < 1e-5);
     let all = scene.warnings.join("\n");
-    for part in
-        ["emissiveTexture (once, materials[0] 'lamp')", "extension EXT_lights_image_based", "metals are taken for diffuse: 'lamp'"]
-    {
+    for part in [
+        "emissiveTexture (once, materials[0] 'lamp')",
+        "extension EXT_lights_image_based",
+        "metals are taken for diffuse: 'lamp'",
+    ] {
         assert!(all.contains(part), "expected {part:?} in\n{all}");
     }
     assert_eq!(scene.warnings.len(), 3, "{all}");

@@ -3,8 +3,8 @@
 use crate::layout::kind;
 use crate::network::tiles;
 use crate::scene::Geometry;
-use crate::twin::lights::{from_lights, surfaceless};
 use crate::twin::direct::{Samples, from_emitter, from_way, round};
+use crate::twin::lights::{from_lights, surfaceless};
 use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
 use crate::twin::sky::from_sky;
 use crate::twin::sobol::sobol4;

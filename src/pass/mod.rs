@@ -78,8 +78,7 @@ pub fn variants() -> Vec<Kernel> {
     let lit = lit.map(|called| direct::KERNEL.with(constants(&called)));
     let spaces = each.into_iter().flat_map(|flatland| each.map(|occlusion| (flatland, occlusion)));
     let ways = [(false, 0.0), (true, 0.0), (false, 0.5), (true, 0.5)];
-    let call =
-        |(flatland, occlusion)| ways.map(move |(mirrors, sigma)| Called { flatland, occlusion, mirrors, sigma, ..none });
+    let call = |(flatland, occlusion)| ways.map(move |(mirrors, sigma)| Called { flatland, occlusion, mirrors, sigma, ..none });
     let calls = spaces.flat_map(call);
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
     let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));

@@ -12,9 +12,9 @@ use crate::stream::{Stream, stream};
 use crate::twin::direct::Samples;
 use crate::twin::lights;
 use crate::twin::math::seed_of;
+use crate::twin::way;
 use glam::Vec3;
 use rayon::prelude::*;
-use crate::twin::way;
 
 /// Most rays from emitters.
 const EMISSION_RAYS: u32 = 65_536;

@@ -4,6 +4,6 @@ mod absent;
 #[path = "../common/mod.rs"]
 mod common;
 mod lights;
-mod sky;
 mod medium;
 mod mirrors;
+mod sky;
