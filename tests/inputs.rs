@@ -492,6 +492,7 @@ fn the_documents_examples_load() {
     let body = |i: usize| blocks[i].split_once('\n').unwrap().1.as_bytes();
     let mut bin: Vec<u8> = [0f32, 0., 0., 0., 0., 1., 1., 0., 1., 1., 0., 0.].iter().flat_map(|f| f.to_le_bytes()).collect();
     bin.extend([0u16, 1, 2, 0, 2, 3, 2, 1, 0, 3, 2, 0].iter().flat_map(|i| i.to_le_bytes()));
+    const SKY: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
     let files: [(&str, &[u8]); 6] = [
         ("room.obj", body(0)),
         ("room.mtl", body(1)),
@@ -501,7 +502,7 @@ fn the_documents_examples_load() {
         ("room.bin", &bin),
     ];
     for (i, faces) in [(0, 4), (2, 4), (3, 5), (4, 5)] {
-        let mut there = vec![files[i], ("chair.obj", TRIANGLE), ("s.mtl", b"newmtl a\nKd .5 .5 .5\n")];
+        let mut there = vec![files[i], ("chair.obj", TRIANGLE), ("s.mtl", b"newmtl a\nKd .5 .5 .5\n"), ("sky.hdr", SKY)];
         there.extend(files);
         let scene = load(&there, &LoadOptions::default()).unwrap();
         assert_eq!((scene.faces.len(), scene.warnings.clone()), (faces, vec![]), "{}", scene.name);

@@ -96,9 +96,12 @@ fn direct(geometry: &Geometry, look: &Look) -> EffectReport {
     if geometry.is_surfaceless() {
         let straight = percent(1.0 - look.reflected);
         let why = format!(
-            "{shining} {sort}{} shine{}, and there is light without a surface; {straight} of all light comes straight from them",
-            if shining == 1 { "" } else { "s" },
-            if shining == 1 { "s" } else { "" },
+            "{}; {straight} of all light comes straight from where it shines",
+            match shining {
+                0 => "only what has no surface shines".into(),
+                1 => format!("1 {sort} shines, and what has no surface"),
+                n => format!("{n} {sort}s shine, and what has no surface"),
+            }
         );
         return told(Name::Direct, true, why, cost);
     }

@@ -27,6 +27,7 @@ pub(super) fn occlusion(scene: &Scene, geometry: &Geometry, look: &Look) -> Effe
     };
     let first = object.filter(|name| !name.is_empty()).map_or(String::new(), |name| format!(" (see '{name}')"));
     let why = match look.blocked {
+        _ if look.lines == 0 => format!("the scene is not convex{first}"),
         0.0 => format!("the scene is not convex{first}, though of {} lines of sight to emitters none was blocked", look.lines),
         share => format!("the scene is not convex{first}: {} of the lines of sight to emitters are blocked", percent(share)),
     };
