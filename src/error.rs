@@ -106,6 +106,16 @@ pub enum Error {
         /// The value.
         value: f64,
     },
+    /// A texture, or a texture coordinate, that cannot be used.
+    #[error("{place} {what}; {cure}")]
+    InvalidTexture {
+        /// The texture, or the file and the line or the scene and the triangle.
+        place: String,
+        /// What is wrong.
+        what: String,
+        /// What to do.
+        cure: &'static str,
+    },
     /// A parameter outside its range.
     #[error("{name} = {value} is out of range: {range}")]
     InvalidParam {

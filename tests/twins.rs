@@ -139,7 +139,7 @@ fn room_scene() -> Scene {
     quad(&mut t, [h[0], l[1], l[2]], [h[0], h[1], l[2]], [h[0], h[1], h[2]], [h[0], l[1], h[2]], 0);
     // A sheet that faces up only.
     quad(&mut t, [0.4, -0.6, 0.5], [0.9, -0.6, 0.5], [0.9, 0.2, 0.6], [0.4, 0.2, 0.6], 1);
-    let material = |name: &str, reflectance, emission| Material { name: name.into(), reflectance, emission };
+    let material = Material::new;
     let materials = vec![
         material("white", [0.75, 0.75, 0.72], [0.0; 3]),
         material("red", [0.6, 0.05, 0.05], [0.0; 3]),

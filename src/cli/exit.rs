@@ -67,6 +67,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::IndexOutOfRange { .. } => ("index_out_of_range", USAGE),
         Error::InvalidReflectance { .. } => ("invalid_reflectance", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
+        Error::InvalidTexture { .. } => ("invalid_texture", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),
         Error::Overflow { .. } => ("overflow", USAGE),

@@ -7,6 +7,7 @@ use crate::twin::direct::{Samples, from_emitter, round};
 use crate::twin::emit::first_hit;
 use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
 use crate::twin::sobol::sobol4;
+use crate::twin::texture;
 use crate::twin::trace::{place_on, position, segment_blocked};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -87,7 +88,7 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
             break;
         }
         let there = &geometry.tris[hit.tri as usize];
-        through *= Vec3::from(geometry.materials[there.material as usize].rho);
+        through *= texture::rho(geometry, hit.tri, hit.b1, hit.b2);
         if through == Vec3::ZERO {
             break;
         }

@@ -1,5 +1,6 @@
 //! What is to be lit: triangles, materials, and their preparation for the passes. No wgpu here.
 
+mod atlas;
 mod called;
 mod convex;
 mod distribution;
@@ -16,6 +17,7 @@ pub mod shapes;
 mod sides;
 mod surface;
 mod text;
+mod texture;
 mod toml;
 mod transform;
 mod unread;
@@ -34,6 +36,7 @@ pub use load::{KdSpace, LoadOptions, Up};
 #[doc(hidden)]
 pub use surface::Located;
 pub(crate) use surface::nearest_on_triangle;
+pub use texture::{Map, Texels, Texture};
 
 use crate::effects::Switches;
 use crate::error::{Error, Result};
@@ -44,38 +47,64 @@ use crate::solution::Camera;
 pub struct Material {
     /// Name, for messages.
     pub name: String,
-    /// Diffuse reflectance rho (MTL `Kd`), each band in [0, 1).
+    /// Diffuse reflectance rho (MTL `Kd`), each band in [0, 1); with a map what its texels are multiplied by.
     pub reflectance: [f64; 3],
-    /// Emitted **radiance** (MTL `Ke`), W/m²/sr; the emitted radiosity is pi times it.
+    /// Emitted **radiance** (MTL `Ke`), W/m²/sr; the emitted radiosity is pi times it. With a map what its texels are
+    /// multiplied by.
     pub emission: [f64; 3],
+    /// What multiplies the reflectance over the surface (MTL `map_Kd`); every product is in [0, 1).
+    pub reflectance_map: Option<Map>,
+    /// What multiplies the emission over the surface (MTL `map_Ke`).
+    pub emission_map: Option<Map>,
+    /// What is cut out (MTL `map_d`): the surface is there where the alpha of the nearest texel is at least the cutoff.
+    pub alpha_map: Option<Map>,
+    /// Alpha from which on a surface with an alpha map is there.
+    pub alpha_cutoff: f64,
+}
+
+impl Default for Material {
+    /// Black, dark and whole.
+    fn default() -> Material {
+        Material::new("", [0.0; 3], [0.0; 3])
+    }
 }
 
 impl Material {
     /// A material.
     pub fn new(name: &str, reflectance: [f64; 3], emission: [f64; 3]) -> Material {
-        Material { name: name.into(), reflectance, emission }
+        let (reflectance_map, emission_map, alpha_map) = (None, None, None);
+        let alpha_cutoff = texture::CUTOFF;
+        Material { name: name.into(), reflectance, emission, reflectance_map, emission_map, alpha_map, alpha_cutoff }
     }
 
-    /// Checks that it can be lit: reflectances in [0, 1), emissions >= 0 that 32-bit floats hold.
+    /// Checks that it can be lit: reflectances in [0, 1), emissions >= 0 that 32-bit floats hold. Of a material with maps
+    /// [`Scene::check`] knows more.
     ///
     /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`].
     pub fn check(&self) -> Result<()> {
-        self.check_at("in memory")
+        self.check_at("in memory", [1.0; 3], [1.0; 3])
     }
 
-    fn check_at(&self, place: &str) -> Result<()> {
+    /// `rho` and `shine` are the largest texels of the maps, 1 where there is none.
+    fn check_at(&self, place: &str, rho: [f64; 3], shine: [f64; 3]) -> Result<()> {
         for (k, band) in ["red", "green", "blue"].into_iter().enumerate() {
             let (place, material) = (place.to_string(), self.name.clone());
             // Also as the passes see it: 1 - 1e-9 is 1 in 32 bits.
-            let rho = self.reflectance[k];
-            if !((0.0..1.0).contains(&rho) && (rho as f32) < 1.0) {
-                return Err(Error::InvalidReflectance { place, material, band, value: self.reflectance[k] });
+            let value = self.reflectance[k] * rho[k];
+            if !((0.0..1.0).contains(&value) && (value as f32) < 1.0 && self.reflectance[k] >= 0.0) {
+                return Err(Error::InvalidReflectance { place, material, band, value });
             }
-            if !(0.0..=f64::from(f32::MAX)).contains(&self.emission[k]) {
-                return Err(Error::InvalidEmission { place, material, band, value: self.emission[k] });
+            let value = self.emission[k] * shine[k];
+            if !((0.0..=f64::from(f32::MAX)).contains(&value) && self.emission[k] >= 0.0) {
+                return Err(Error::InvalidEmission { place, material, band, value });
             }
         }
         Ok(())
+    }
+
+    /// Its maps: of reflectance, emission and alpha.
+    pub(crate) fn maps(&self) -> [Option<Map>; 3] {
+        [self.reflectance_map, self.emission_map, self.alpha_map]
     }
 }
 
@@ -133,6 +162,13 @@ pub struct Scene {
     pub faces: Vec<Face>,
     /// Materials.
     pub materials: Vec<Material>,
+    /// Images that materials name in their maps.
+    pub textures: Vec<Texture>,
+    /// Texture coordinates: u to the right, v down from an image's upper left corner; an image repeats at whole numbers.
+    pub uvs: Vec<[f64; 2]>,
+    /// Indices into [`Scene::uvs`] of each face's corners, in the order of [`Scene::faces`]. A face beyond its end, or with
+    /// an index of `u32::MAX`, has none: there maps stand for their mean, and nothing is cut out.
+    pub face_uvs: Vec<[u32; 3]>,
     /// Object names, for messages.
     pub objects: Vec<String>,
     /// File and line of each material, for messages; empty where the scene does not come from files.
@@ -227,12 +263,88 @@ impl Scene {
                 });
             }
         }
-        (0..self.materials.len()).try_for_each(|m| self.check_material(m))
+        self.textures.iter().try_for_each(Texture::check)?;
+        self.check_uvs()?;
+        let most: Vec<[f64; 3]> = self.textures.iter().map(|t| t.most().map(f64::from)).collect();
+        (0..self.materials.len()).try_for_each(|m| self.check_material_of(m, &most))
     }
 
-    /// As [`Material::check`], of a material of this scene; the error names the file and line it comes from.
+    fn check_uvs(&self) -> Result<()> {
+        let fail = |place: String, what: String, cure| Err(Error::InvalidTexture { place, what, cure });
+        for (i, uv) in self.uvs.iter().enumerate() {
+            if !uv.iter().all(|x| x.abs() <= texture::MOST_REPEATS) {
+                let place = format!("{}: texture coordinate {i}", self.name);
+                return fail(place, format!("is {uv:?}, beyond 65536 repeats"), "unwrap the mesh anew");
+            }
+        }
+        for (i, &corner) in self.face_uvs.iter().enumerate().flat_map(|(i, f)| f.iter().map(move |c| (i, c))) {
+            if corner != crate::layout::NONE && corner as usize >= self.uvs.len() {
+                return Err(Error::IndexOutOfRange {
+                    place: format!("{}: triangle {i}, texture coordinate", self.name),
+                    index: corner.into(),
+                    count: self.uvs.len(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// As [`Material::check`], of a material of this scene with its maps; the error names the file and line it comes from.
+    ///
+    /// Errors: also [`Error::InvalidTexture`] for a map that names no texture or stretches it beyond all measure.
     pub fn check_material(&self, material: usize) -> Result<()> {
-        self.materials[material].check_at(self.material_places.get(material).unwrap_or(&self.name))
+        let most: Vec<[f64; 3]> = self.textures.iter().map(|t| t.most().map(f64::from)).collect();
+        self.check_material_of(material, &most)
+    }
+
+    /// `most` are the textures' largest texels.
+    fn check_material_of(&self, material: usize, most: &[[f64; 3]]) -> Result<()> {
+        let m = &self.materials[material];
+        let place = self.material_places.get(material).unwrap_or(&self.name);
+        for map in m.maps().into_iter().flatten() {
+            let fail =
+                |what: String, cure| Err(Error::InvalidTexture { place: format!("{place}: material '{}'", m.name), what, cure });
+            if map.texture as usize >= self.textures.len() {
+                let what = format!("has a map of texture {} where there are {}", map.texture, self.textures.len());
+                return fail(what, "add the texture to the scene");
+            }
+            if !map.transform.iter().flatten().all(|x| x.abs() <= texture::MOST_REPEATS) {
+                return fail(format!("scales or moves a map by {:?}", map.transform), "stay within 65536 repeats");
+            }
+        }
+        let most = |map: Option<Map>| map.map_or([1.0; 3], |m| most[m.texture as usize]);
+        m.check_at(place, most(m.reflectance_map), most(m.emission_map))
+    }
+
+    /// Texture coordinates of a face's corners; none where it has none.
+    pub fn uv(&self, face: usize) -> Option<[[f64; 2]; 3]> {
+        let corners = self.face_uvs.get(face).filter(|c| c.iter().all(|&i| (i as usize) < self.uvs.len()))?;
+        Some(corners.map(|i| self.uvs[i as usize]))
+    }
+
+    /// Gives the last of the faces its texture coordinates.
+    pub(crate) fn set_uv(&mut self, face: usize, corners: [u32; 3]) {
+        self.face_uvs.resize(self.face_uvs.len().max(face), [crate::layout::NONE; 3]);
+        match self.face_uvs.get_mut(face) {
+            Some(known) => *known = corners,
+            None => self.face_uvs.push(corners),
+        }
+    }
+
+    /// Reflectance and emitted radiance of a face at barycentric coordinates, texels in between.
+    pub(crate) fn shown(&self, face: usize, b1: f64, b2: f64) -> ([f64; 3], [f64; 3]) {
+        let m = &self.materials[self.faces[face].material as usize];
+        let uv = self.uv(face);
+        let of = |factor: [f64; 3], map: Option<Map>| match (map, uv) {
+            (None, _) => factor,
+            (Some(map), Some([a, b, c])) => {
+                let at = [0, 1].map(|k| a[k] + (b[k] - a[k]) * b1 + (c[k] - a[k]) * b2);
+                let texel = self.textures[map.texture as usize].at(&map, map.place(at));
+                [0, 1, 2].map(|k| factor[k] * texel[k])
+            }
+            (Some(_), None) => atlas::mean(factor, map, &self.textures),
+        };
+        (of(m.reflectance, m.reflectance_map), of(m.emission, m.emission_map))
     }
 
     /// The area of a triangle, m²; the length of a flatland segment, m.

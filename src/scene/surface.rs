@@ -116,7 +116,7 @@ mod tests {
             if up { [([a, b, c], 0), ([a, c, d], 0)] } else { [([a, c, b], 0), ([a, d, c], 0)] }
         };
         let triangles: Vec<_> = [quad(0.0, true), quad(4.0, true), quad(4.0, false)].concat();
-        let grey = Material { name: "grey".into(), reflectance: [0.5; 3], emission: [1.0; 3] };
+        let grey = Material::new("grey", [0.5; 3], [1.0; 3]);
         Geometry::new(&Scene::from_triangles("sheet", &triangles, vec![grey]).unwrap()).unwrap()
     }
 

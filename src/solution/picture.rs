@@ -171,7 +171,7 @@ mod tests {
     fn the_picture_is_upright_and_the_back_is_black() {
         // One shining triangle to the upper right; the camera looks along -z.
         let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]];
-        let shine = Material { name: "lamp".into(), reflectance: [0.0; 3], emission: [3.0, 2.0, 1.0] };
+        let shine = Material::new("lamp", [0.0; 3], [3.0, 2.0, 1.0]);
         let scene = Scene::from_triangles("lamp", &[(corners, 0)], vec![shine]).unwrap();
         let params = Params { rays: 1024, ..Params::default() };
         let solution = crate::bake(&Backend::Cpu, &scene, &params, &mut |_| Flow::Continue).unwrap();

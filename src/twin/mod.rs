@@ -17,6 +17,7 @@ pub mod readout;
 pub mod respond;
 pub mod shoot;
 pub mod sobol;
+pub mod texture;
 pub mod trace;
 pub mod winner;
 
