@@ -28,6 +28,7 @@ struct Params {
 @group(0) @binding(6) var<storage, read> active_points: array<u32>;
 @group(0) @binding(7) var<storage, read_write> sums: array<DirectSum>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(9) var texels: texture_2d_array<u32>;
 
 fn cdf(i: u32) -> u32 {
     return emitters[i].cdf;
@@ -62,10 +63,35 @@ fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>, cosine: u32) -> vec3<f
     let x = position(there, b.x, b.y);
     let g = kernel_g(x, tri_normal(there), p, tri_normal(tri));
     let planes = vec2<u32>(tri_plane(tri), tri_plane(there));
+    if CUTOUTS {
+        if !is_there(there, b) {
+            return vec3<f32>();
+        }
+    }
     if g > 0.0 && planes.x != planes.y && !segment_blocked(p, x, planes) {
+        if TEXTURES {
+            let emit = mapped(materials[tri_material(there)].emit, there, EMIT, b);
+            return emit * (g / (ne * emitters[drawn.index].density + nc * g));
+        }
         return materials[tri_material(there)].emit * (g / (ne * emitters[drawn.index].density + nc * g));
     }
     return vec3<f32>();
+}
+
+// Sampling density of an emitter that does not shine evenly: that of its mean. Emitters are in the order of triangles.
+fn uneven_density(tri: u32) -> f32 {
+    var low = 0u;
+    var high = params.emitters - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if emitters[middle].tri < tri {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    unfinished = unfinished || low < high;
+    return select(0.0, emitters[low].density, emitters[low].tri == tri);
 }
 
 // One cosine direction; only front faces of emitters count.
@@ -77,12 +103,20 @@ fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     let direction = cosine_direction(n, unit(u.z), unit(u.w));
     let met = first_hit(tri, p, direction);
     if met.kind == FRONT {
-        let emit = materials[tri_material(met.hit.tri)].emit;
+        var emit = materials[tri_material(met.hit.tri)].emit;
+        if TEXTURES {
+            emit = mapped(emit, met.hit.tri, EMIT, vec2<f32>(met.hit.b1, met.hit.b2));
+        }
         let total = emit.x + emit.y + emit.z;
         if total > 0.0 {
             let cos_y = dot3(n, direction);
             let cos_x = -dot3(tri_normal(met.hit.tri), direction);
             let g = geometric(cos_x, cos_y, met.hit.t);
+            if TEXTURES || CUTOUTS {
+                if has_map(met.hit.tri, EMIT) || has_map(met.hit.tri, MASK) {
+                    return emit * (g / (ne * uneven_density(met.hit.tri) + nc * g));
+                }
+            }
             return emit * (g / (ne * total * params.emitter_density + nc * g));
         }
     }

@@ -1,6 +1,7 @@
 // Pass gather: the mean over a point's cosine rays of what their hits reflect. Twin: src/twin/gather.rs.
 #import layout
 #import triangles
+#import texture
 #import finish
 
 struct Params {
@@ -23,6 +24,7 @@ struct Params {
 // Two a point: irradiance and nearness; shares of front and of back hits.
 @group(0) @binding(6) var<storage, read_write> gathered: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(8) var texels: texture_2d_array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
@@ -50,7 +52,10 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         back += select(0.0, 1.0, kind == BACK);
         front += select(0.0, 1.0, kind == FRONT);
         if kind == FRONT && params.lit == 1u {
-            let rho = materials[tri_material(hits[at].tri)].rho;
+            var rho = materials[tri_material(hits[at].tri)].rho;
+            if TEXTURES {
+                rho = mapped(rho, hits[at].tri, RHO, shares(hits[at].tri, hits[at].p));
+            }
             var d = vec3<f32>();
             if params.exact == 1u {
                 d = direct[at].sum / f32(max(direct[at].rounds, 1u));

@@ -53,7 +53,7 @@ impl<T: Pod> Records<T> {
     }
 
     /// Uploads records as texels.
-    pub(super) fn page(gpu: &Gpu, label: &'static str, records: &[T]) -> Result<Records<T>> {
+    pub(crate) fn page(gpu: &Gpu, label: &'static str, records: &[T]) -> Result<Records<T>> {
         const { assert!(size_of::<T>().is_multiple_of(TEXEL)) };
         let bytes: &[u8] = bytemuck::cast_slice(records);
         let rows = bytes.len().div_ceil(TEXEL * ROW).max(1);

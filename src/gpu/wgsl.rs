@@ -18,7 +18,7 @@ macro_rules! sources {
 pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather", "respond"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "bands", "bands_one", "boxes", "boxes_paged", "triangles", "triangles_paged"];
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "math", "ray", "sobol", "sums", "surface", "texture", "bands", "bands_one", "boxes", "boxes_paged", "triangles", "triangles_paged"];
 
 /// The module of colour bands, and the one in its place where all is grey.
 const BANDS: (&str, &str) = ("bands", "bands_one");

@@ -37,7 +37,17 @@ params!(
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "direct",
-    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+    &[
+        Access::Scene,
+        Access::Scene,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Write,
+        Access::Write,
+        Access::Texels,
+    ],
 );
 
 /// Adds rounds `first..first + rounds` to the sums of the points listed in `active`.
@@ -63,6 +73,7 @@ pub fn direct(
         active.bound(),
         sums.bound(),
         gpu.status().into(),
+        scene.texels(),
     ];
     // As many rounds a dispatch as keep an invocation short.
     let mut done = 0;

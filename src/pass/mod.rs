@@ -23,7 +23,7 @@ pub mod winner;
 pub use engine::GpuEngine;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Access, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
+use crate::gpu::{Access, Bound, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
 use crate::scene::{Called, Geometry, Scene, depth};
 use crate::twin::assign::Surface;
@@ -35,10 +35,7 @@ const KERNELS: &[Kernel] = &[
     accumulate::KERNEL,
     adapt::KERNEL,
     coefficients::KERNEL,
-    coefficients::FLUX,
-    deposit::KERNEL,
     feature::KERNEL,
-    gather::KERNEL,
     jacobi::BETA,
     jacobi::UPDATE,
     readout::KERNEL,
@@ -47,18 +44,28 @@ const KERNELS: &[Kernel] = &[
 ];
 /// Those that look at surfaces, each once for every space.
 const SPATIAL: &[Kernel] = &[assign::KERNEL, direct::KERNEL, emit::KERNEL, emit::PROBE, shoot::KERNEL];
+/// Those that read what a surface reflects and emits, each once for scenes with textures.
+const TEXTURED: &[Kernel] = &[coefficients::FLUX, deposit::KERNEL, gather::KERNEL];
 
 /// What sets the shaders to what a scene calls for.
 fn constants(called: &Called) -> Constants {
-    Constants::NONE.with("FLATLAND", called.flatland).with("OCCLUSION", called.occlusion)
+    let space = Constants::NONE.with("FLATLAND", called.flatland).with("OCCLUSION", called.occlusion);
+    space.with("TEXTURES", called.textures).with("CUTOUTS", called.cutouts)
 }
 
 /// Every kernel with every text and every set of constants that it may have.
 pub fn variants() -> Vec<Kernel> {
     let each = [false, true];
-    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| Called { flatland, occlusion, grey: false }));
-    let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
-    let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
+    let plain = |flatland, occlusion| Called { flatland, occlusion, textures: false, cutouts: false, grey: false };
+    let calls = each.into_iter().flat_map(|flatland| each.map(|occlusion| plain(flatland, occlusion)));
+    // Effects of surfaces in one space are enough: they know of no other.
+    let maps = [(true, false), (false, true), (true, true)].map(|(textures, cutouts)| Called {
+        textures,
+        cutouts,
+        ..plain(false, true)
+    });
+    let spatial = || SPATIAL.iter().chain(TEXTURED).copied().chain([kernel::KERNEL]);
+    let spatial = calls.chain(maps).flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
     let grey = [jacobi::BETA, jacobi::UPDATE].map(|k| k.grey(true));
     let all = KERNELS.iter().copied().chain(grey).chain(spatial);
     all.flat_map(|k| if k.buffers.contains(&Access::Scene) { vec![k, k.paged(true)] } else { vec![k] }).collect()
@@ -70,7 +77,7 @@ pub(crate) fn kernels(device: &wgpu::Device, scene: &Scene) -> Vec<Kernel> {
     let constants = constants(&called);
     let bytes = (scene.faces.len() * size_of::<Tri>()) as u64;
     let paged = bytes > device.limits().max_storage_buffer_binding_size;
-    let all = KERNELS.iter().copied().chain(SPATIAL.iter().map(|k| k.with(constants)));
+    let all = KERNELS.iter().copied().chain(SPATIAL.iter().chain(TEXTURED).map(|k| k.with(constants)));
     let in_bands = |k: &Kernel| [jacobi::BETA.name, jacobi::UPDATE.name].contains(&k.name);
     all.map(|k| k.paged(paged && k.buffers.contains(&Access::Scene)).grey(called.grey && in_bands(&k))).collect()
 }
@@ -107,6 +114,8 @@ pub struct SceneBuffers {
     pub emitter_density: f32,
     /// Triangle of each tile.
     pub tile_tri: GpuVec<u32>,
+    /// Maps of the triangles, where there are any.
+    texels: Option<Records<[u32; 4]>>,
     /// What sets the shaders to what it calls for.
     constants: Constants,
     /// Whether hierarchy and triangles are paged.
@@ -127,6 +136,7 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
+            texels: (!geometry.texels.is_empty()).then(|| Records::page(gpu, "texels", &geometry.texels)).transpose()?,
             constants: constants(&Called::by(geometry)),
             paged,
         })
@@ -135,6 +145,11 @@ impl SceneBuffers {
     /// A kernel that looks at surfaces, set to this scene's space and size.
     fn kernel(&self, kernel: Kernel) -> Kernel {
         self.reader(kernel).with(self.constants)
+    }
+
+    /// The texels of its maps.
+    fn texels(&self) -> Bound {
+        self.texels.as_ref().map_or(Bound::Absent, Records::bound)
     }
 
     /// A kernel that reads triangles, set to this scene's size.
