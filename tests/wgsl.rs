@@ -54,7 +54,7 @@ fn kernels_validate_within_the_budget() {
         assert_eq!(entry.workgroup_size, [raycell::gpu::kernel::WORKGROUP, 1, 1], "{kernel}");
 
         // Binding 0 is the uniform; storage buffers follow without a gap.
-        let (mut bindings, mut textures) = (BTreeSet::new(), 0);
+        let (mut bindings, mut effects, mut textures) = (BTreeSet::new(), BTreeSet::new(), 0);
         for (_, var) in module.global_variables.iter() {
             let Some(binding) = &var.binding else {
                 continue;
@@ -63,6 +63,10 @@ fn kernels_validate_within_the_budget() {
             match var.space {
                 naga::AddressSpace::Uniform => assert_eq!(binding.binding, 0, "{kernel}"),
                 naga::AddressSpace::Storage { .. } => assert!(bindings.insert(binding.binding), "{kernel}"),
+                // An effect's texels, which take no storage buffer, behind them.
+                naga::AddressSpace::Handle if var.name.as_deref() == Some("texels") => {
+                    assert!(effects.insert(binding.binding), "{kernel}");
+                }
                 // A scene's records, where they are paged.
                 naga::AddressSpace::Handle if paged => {
                     assert!(bindings.insert(binding.binding), "{kernel}");
@@ -73,6 +77,8 @@ fn kernels_validate_within_the_budget() {
         }
         assert!(bindings.len() <= 8, "{kernel} binds {} storage buffers", bindings.len());
         assert_eq!(bindings, (1..=bindings.len() as u32).collect(), "{kernel}");
+        let behind = bindings.len() as u32 + 1;
+        assert_eq!(effects, (behind..behind + effects.len() as u32).collect(), "{kernel}");
         // Every binding of triangles or boxes is paged together with the module that reads it.
         let records = composed.source.matches("array<Tri>;").count() + composed.source.matches("array<BvhNode>;").count();
         assert!(!paged || records == 0, "{kernel}");

@@ -41,15 +41,18 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if (params.known & 1u) != 0u {
         h = light[x].xyz;
     }
-    var material = materials[tri_material(points[x].tri)];
-    if TEXTURES {
-        let b = shares(points[x].tri, points[x].p);
-        material.rho = mapped(material.rho, points[x].tri, RHO, b);
-        material.emit = mapped(material.emit, points[x].tri, EMIT, b);
-    }
+    let material = materials[tri_material(points[x].tri)];
     var sent = material.rho * h + material.emit;
     if (params.known & 2u) != 0u {
         sent = material.rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+    }
+    if TEXTURES {
+        let b = shares(points[x].tri, points[x].p);
+        let rho = mapped(material.rho, points[x].tri, RHO, b);
+        sent = rho * h + mapped(material.emit, points[x].tri, EMIT, b);
+        if (params.known & 2u) != 0u {
+            sent = rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+        }
     }
     for (var k = 0u; k < 4u; k++) {
         let weight = psi[d].weight[k];

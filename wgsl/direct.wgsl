@@ -94,6 +94,16 @@ fn uneven_density(tri: u32) -> f32 {
     return select(0.0, emitters[low].density, emitters[low].tri == tri);
 }
 
+// What a cosine direction brings from a surface that does not shine evenly.
+fn uneven_light(hit: Hit, n: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    let emit = mapped(materials[tri_material(hit.tri)].emit, hit.tri, EMIT, vec2<f32>(hit.b1, hit.b2));
+    if emit.x + emit.y + emit.z > 0.0 {
+        let g = geometric(-dot3(tri_normal(hit.tri), direction), dot3(n, direction), hit.t);
+        return emit * (g / (f32(params.emitter) * uneven_density(hit.tri) + f32(params.cosine) * g));
+    }
+    return vec3<f32>();
+}
+
 // One cosine direction; only front faces of emitters count.
 fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     let ne = f32(params.emitter);
@@ -103,20 +113,22 @@ fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     let direction = cosine_direction(n, unit(u.z), unit(u.w));
     let met = first_hit(tri, p, direction);
     if met.kind == FRONT {
-        var emit = materials[tri_material(met.hit.tri)].emit;
         if TEXTURES {
-            emit = mapped(emit, met.hit.tri, EMIT, vec2<f32>(met.hit.b1, met.hit.b2));
+            if has_map(met.hit.tri, EMIT) || has_map(met.hit.tri, MASK) {
+                return uneven_light(met.hit, n, direction);
+            }
         }
+        if CUTOUTS {
+            if has_map(met.hit.tri, MASK) {
+                return uneven_light(met.hit, n, direction);
+            }
+        }
+        let emit = materials[tri_material(met.hit.tri)].emit;
         let total = emit.x + emit.y + emit.z;
         if total > 0.0 {
             let cos_y = dot3(n, direction);
             let cos_x = -dot3(tri_normal(met.hit.tri), direction);
             let g = geometric(cos_x, cos_y, met.hit.t);
-            if TEXTURES || CUTOUTS {
-                if has_map(met.hit.tri, EMIT) || has_map(met.hit.tri, MASK) {
-                    return emit * (g / (ne * uneven_density(met.hit.tri) + nc * g));
-                }
-            }
             return emit * (g / (ne * total * params.emitter_density + nc * g));
         }
     }

@@ -52,15 +52,17 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         back += select(0.0, 1.0, kind == BACK);
         front += select(0.0, 1.0, kind == FRONT);
         if kind == FRONT && params.lit == 1u {
-            var rho = materials[tri_material(hits[at].tri)].rho;
-            if TEXTURES {
-                rho = mapped(rho, hits[at].tri, RHO, shares(hits[at].tri, hits[at].p));
-            }
+            let rho = materials[tri_material(hits[at].tri)].rho;
             var d = vec3<f32>();
             if params.exact == 1u {
                 d = direct[at].sum / f32(max(direct[at].rounds, 1u));
             }
-            sum += rho * (d + light[at].xyz);
+            if TEXTURES {
+                let b = shares(hits[at].tri, hits[at].p);
+                sum += mapped(rho, hits[at].tri, RHO, b) * (d + light[at].xyz);
+            } else {
+                sum += rho * (d + light[at].xyz);
+            }
         }
     }
     unfinished = unfinished || k < params.end;

@@ -8,6 +8,7 @@ mod extruded;
 mod geometry;
 mod gltf;
 mod hierarchy;
+mod images;
 mod load;
 mod mtl;
 mod obj;
