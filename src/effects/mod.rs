@@ -5,6 +5,7 @@
 
 mod colour;
 mod light;
+mod maps;
 mod names;
 mod occlusion;
 mod switches;
@@ -40,11 +41,11 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
             Name::Colour => colour::colour(scene),
             Name::TwoSided => two_sided(geometry),
             Name::Flatland => flatland(geometry),
-            Name::Textures => unread(scene, name, &["map_Kd", "map_Ke", "texture"]),
+            Name::Textures => maps::textures(scene, geometry),
             Name::Environment => unread(scene, name, &["environment", "sky"]),
             Name::Lights => unread(scene, name, &["KHR_lights_punctual", "point light"]),
             Name::Mirrors => unread(scene, name, &["Ks", "Ns", "illum", "metallic", "roughness"]),
-            Name::Transparency => unread(scene, name, &["map_d", "Tr", "Tf", "Ni", "alphaMode", "transmission"]),
+            Name::Transparency => maps::transparency(scene, geometry),
             Name::Medium => unread(scene, name, &["medium", "fog"]),
         })
         .collect()
@@ -100,9 +101,9 @@ fn direct(geometry: &Geometry, look: &Look) -> EffectReport {
 }
 
 fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectReport {
-    let rho = |m: &crate::scene::Material| m.reflectance.iter().copied().fold(0.0, f64::max);
-    let most = geometry.tris.iter().map(|t| &scene.materials[t.material as usize]).max_by(|a, b| rho(a).total_cmp(&rho(b)));
-    let Some(most) = most.filter(|m| rho(m) > 0.0) else {
+    let rho = |m: u32| f64::from(geometry.most_rho[m as usize]);
+    let most = geometry.tris.iter().map(|t| t.material).max_by(|&a, &b| rho(a).total_cmp(&rho(b)));
+    let Some(most) = most.filter(|&m| rho(m) > 0.0) else {
         return told(Name::Interreflection, false, "no surface reflects: all light is direct".into(), "nothing");
     };
     if geometry.emitters.is_empty() {
@@ -112,7 +113,7 @@ fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectRep
         "surfaces reflect up to {} ('{}'); {} of all light has been reflected before it arrives, and after {} reflection{} \
          less than 0.1 % of it is left",
         percent(rho(most)),
-        most.name,
+        scene.materials[most as usize].name,
         percent(look.reflected),
         look.bounces,
         if look.bounces == 1 { "" } else { "s" },

@@ -61,7 +61,7 @@ pub struct Geometry {
     /// Maps of all triangles, six texels each, and their images ([`crate::twin::texture`]); empty where there are none.
     pub texels: Vec<[u32; 4]>,
     /// Where the images of reflectance end.
-    rho_end: usize,
+    pub rho_end: usize,
     /// Whether reflectance or emission varies over any triangle.
     pub textured: bool,
     /// Whether anything is cut out of any triangle.
@@ -69,7 +69,7 @@ pub struct Geometry {
     /// Emitting triangles with their cumulative distribution; empty where nothing emits.
     pub emitters: Vec<Emitter>,
     /// Mean emission of each emitter over its area; empty where that is its material's.
-    emitted: Vec<[f64; 3]>,
+    pub emitted: Vec<[f64; 3]>,
     /// Sampling density of an emitter per unit of its summed emission, per local area.
     pub emitter_density: f32,
     /// Number of tiles.

@@ -3,3 +3,6 @@
 mod absent;
 #[path = "../common/mod.rs"]
 mod common;
+mod cutouts;
+mod maps;
+mod textures;
