@@ -758,6 +758,13 @@ fn jacobi_equals_its_twin_in(gpu: &Gpu, g: &Geometry, grey: bool) {
             node_source: (0..nodes)
                 .map(|j| NodeLight { h: [number(j + 9); 3], g0: [0.1; 3], g1: [-number(j); 3], ..NodeLight::default() })
                 .collect(),
+            // Nodes of their own reflectance, or of the scene's.
+            materials: match nodes % 2 == 1 {
+                true => {
+                    (0..nodes).map(|j| raycell::layout::Material { rho: [number(j) * 9.0; 3], ..Default::default() }).collect()
+                }
+                false => Vec::new(),
+            },
         };
         let light: Vec<NodeLight> = (0..nodes).map(|j| NodeLight { h: [number(j); 3], ..NodeLight::default() }).collect();
         let sweeps = if cells + nodes > 100_000 { 2 } else { 37 };

@@ -3,7 +3,7 @@
 use super::Name;
 use crate::error::{Error, Result};
 use crate::output::report::EffectReport;
-use crate::scene::Scene;
+use crate::scene::{Scene, Texture};
 use std::fmt;
 use std::str::FromStr;
 
@@ -102,6 +102,17 @@ fn switch(scene: &mut Scene, name: Name, on: bool, there: bool) -> Result<()> {
                 m.reflectance = [m.reflectance.iter().sum::<f64>() / 3.0; 3];
                 m.emission = [m.emission.iter().sum::<f64>() / 3.0; 3];
             }
+            if !scene.has_grey_maps() {
+                scene.textures = scene.textures.iter().map(Texture::in_grey).collect();
+            }
+            Ok(())
+        }
+        (Name::Textures, false) => {
+            scene.flatten_maps();
+            Ok(())
+        }
+        (Name::Transparency, false) => {
+            scene.materials.iter_mut().for_each(|m| m.alpha_map = None);
             Ok(())
         }
         (Name::Direct | Name::TwoSided | Name::Flatland, false) => refused("the scene is made of it; change the scene instead"),

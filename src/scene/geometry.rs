@@ -66,6 +66,8 @@ pub struct Geometry {
     pub textured: bool,
     /// Whether anything is cut out of any triangle.
     pub cut: bool,
+    /// Whether all maps of reflectance and emission are grey.
+    pub grey_maps: bool,
     /// Emitting triangles with their cumulative distribution; empty where nothing emits.
     pub emitters: Vec<Emitter>,
     /// Mean emission of each emitter over its area; empty where that is its material's.
@@ -309,6 +311,7 @@ impl Geometry {
             rho_end: atlas.rho_end,
             textured: atlas.textured,
             cut: atlas.cut,
+            grey_maps: scene.has_grey_maps(),
             emitters: Vec::new(),
             emitted: Vec::new(),
             emitter_density: 0.0,

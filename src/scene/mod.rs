@@ -317,6 +317,25 @@ impl Scene {
         m.check_at(place, most(m.reflectance_map), most(m.emission_map))
     }
 
+    /// Whether every map of reflectance or emission is grey.
+    pub(crate) fn has_grey_maps(&self) -> bool {
+        let mut used = vec![false; self.textures.len()];
+        for map in self.materials.iter().flat_map(|m| [m.reflectance_map, m.emission_map]).flatten() {
+            if let Some(used) = used.get_mut(map.texture as usize) {
+                *used = true;
+            }
+        }
+        self.textures.iter().zip(used).all(|(t, used)| !used || t.is_grey())
+    }
+
+    /// Takes all maps of reflectance and emission for their means.
+    pub(crate) fn flatten_maps(&mut self) {
+        for m in &mut self.materials {
+            m.reflectance = atlas::mean(m.reflectance, m.reflectance_map.take(), &self.textures);
+            m.emission = atlas::mean(m.emission, m.emission_map.take(), &self.textures);
+        }
+    }
+
     /// Texture coordinates of a face's corners; none where it has none.
     pub fn uv(&self, face: usize) -> Option<[[f64; 2]; 3]> {
         let corners = self.face_uvs.get(face).filter(|c| c.iter().all(|&i| (i as usize) < self.uvs.len()))?;

@@ -209,6 +209,26 @@ impl Texture {
         most
     }
 
+    /// Whether the bands of every texel are one.
+    pub(crate) fn is_grey(&self) -> bool {
+        let grey = |[r, g, b, _]: [f32; 4]| r == g && g == b;
+        match &self.texels {
+            Texels::Srgb(t) | Texels::Linear(t) => t.iter().all(|&[r, g, b, _]| r == g && g == b),
+            Texels::Float(t) => t.iter().all(|&t| grey(t)),
+        }
+    }
+
+    /// The same with the mean of the bands in each.
+    pub(crate) fn in_grey(&self) -> Texture {
+        let texel = |i: u32| {
+            let [r, g, b, a] = self.texel(i % self.width, i / self.width);
+            let mean = (r + g + b) / 3.0;
+            [mean, mean, mean, a]
+        };
+        let texels = Texels::Float((0..self.width * self.height).map(texel).collect());
+        Texture { name: self.name.clone(), width: self.width, height: self.height, texels }
+    }
+
     /// The mean of each band.
     pub(crate) fn mean(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
