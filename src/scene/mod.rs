@@ -270,21 +270,19 @@ impl Scene {
         (0..self.materials.len()).try_for_each(|m| self.check_material_of(m, &most))
     }
 
+    /// Coordinates that a map looks at.
     fn check_uvs(&self) -> Result<()> {
-        let fail = |place: String, what: String, cure| Err(Error::InvalidTexture { place, what, cure });
-        for (i, uv) in self.uvs.iter().enumerate() {
-            if !uv.iter().all(|x| x.abs() <= texture::MOST_REPEATS) {
-                let place = format!("{}: texture coordinate {i}", self.name);
-                return fail(place, format!("is {uv:?}, beyond 65536 repeats"), "unwrap the mesh anew");
-            }
-        }
-        for (i, &corner) in self.face_uvs.iter().enumerate().flat_map(|(i, f)| f.iter().map(move |c| (i, c))) {
-            if corner != crate::layout::NONE && corner as usize >= self.uvs.len() {
-                return Err(Error::IndexOutOfRange {
-                    place: format!("{}: triangle {i}, texture coordinate", self.name),
-                    index: corner.into(),
-                    count: self.uvs.len(),
-                });
+        let mapped = |face: usize| {
+            let material = self.faces.get(face).and_then(|f| self.materials.get(f.material as usize));
+            material.is_some_and(|m| m.maps().iter().any(Option::is_some))
+        };
+        for (i, corners) in self.face_uvs.iter().enumerate().filter(|(i, _)| mapped(*i)) {
+            for &corner in corners.iter().filter(|&&c| c != crate::layout::NONE) {
+                let place = || format!("{}: triangle {i}, texture coordinate", self.name);
+                match self.uvs.get(corner as usize) {
+                    Some(uv) => texture::check_uv(uv, || format!("{} {corner}", place()))?,
+                    None => return Err(Error::IndexOutOfRange { place: place(), index: corner.into(), count: self.uvs.len() }),
+                }
             }
         }
         Ok(())

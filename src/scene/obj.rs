@@ -8,6 +8,7 @@ use super::load::Reader;
 use super::mtl::Library;
 use super::polygon::{Cut, cut};
 use super::text::{Statements, bad, decode, name, split, words};
+use super::texture::check_uv;
 use super::unread::Unread;
 use super::{Face, Scene, fits};
 use crate::error::{Error, Result};
@@ -111,6 +112,9 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                     if let Some(index) = lost {
                         let place = format!("{}, texture coordinate", place(line));
                         return Err(Error::IndexOutOfRange { place, index, count: scene.uvs.len() });
+                    }
+                    for &i in &uvs {
+                        check_uv(&scene.uvs[i as usize], || format!("{}, texture coordinate {i}", place(line)))?;
                     }
                     if uvs.len() < corners.len() {
                         bare.add(&format!("faces of '{}' without texture coordinates (vt)", m.name), format_args!("line {line}"));

@@ -84,6 +84,15 @@ impl Map {
     }
 }
 
+/// Checks that an image can be looked up at a coordinate. Errors: [`Error::InvalidTexture`].
+pub(crate) fn check_uv(uv: &[f64; 2], place: impl Fn() -> String) -> Result<()> {
+    if uv.iter().all(|x| x.abs() <= MOST_REPEATS) {
+        return Ok(());
+    }
+    let what = format!("is {uv:?}, beyond 65536 repeats");
+    Err(Error::InvalidTexture { place: place(), what, cure: "unwrap the mesh anew" })
+}
+
 /// The linear value of an eight-bit sRGB one.
 pub(crate) fn srgb8(x: u8) -> f32 {
     static TABLE: OnceLock<[f32; 256]> = OnceLock::new();

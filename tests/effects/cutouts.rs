@@ -1,7 +1,8 @@
 //! Cut-outs: surfaces of which an alpha map leaves a part.
 
-use crate::common::gpu;
-use crate::maps::{passes, solve, texture, unwrap};
+use crate::common::{gpu, rrmse};
+use crate::maps::{floor, passes, solve, texture, traced, two_sided, unwrap};
+use raycell::effects::{Switches, analyse};
 use raycell::engine::Engine;
 use raycell::network::tiles;
 use raycell::pass::GpuEngine;
@@ -25,8 +26,7 @@ fn screened(alpha: Option<Texture>) -> Scene {
     let plate = |y: f64, s: f64| [[-s, y, -s], [-s, y, s], [s, y, s], [s, y, -s]];
     let turned = |[a, b, c, d]: [[f64; 3]; 4]| [d, c, b, a];
     let mut triangles = [shapes::quad(plate(0.0, 2.0), 0), shapes::quad(turned(plate(2.0, 0.5)), 1)].concat();
-    triangles.extend(shapes::quad(plate(1.0, 2.0), 2));
-    triangles.extend(shapes::quad(turned(plate(1.0, 2.0)), 2));
+    triangles.extend(two_sided(shapes::quad(plate(1.0, 2.0), 2)));
     let materials = vec![
         Material::new("floor", [0.5; 3], [0.0; 3]),
         Material::new("lamp", [0.0; 3], [4.0; 3]),
@@ -67,6 +67,58 @@ fn a_screen_of_half_its_area_passes_half_of_the_light() {
     }
 }
 
+/// A screen of four bars and four gaps across the room with a checkered floor's light, as an alpha map or as bars of their own.
+fn barred(alpha: bool) -> Scene {
+    let walls = shapes::room([0.0; 3], [1.0; 3], [0, 0, 0, 1, 0, 0]);
+    let (mut triangles, count) = (walls.clone(), if alpha { 1 } else { 4 });
+    let first = walls.len();
+    for i in 0..count {
+        let (low, high) = if alpha { (0.0, 1.0) } else { (0.25 * i as f64, 0.25 * i as f64 + 0.125) };
+        let bar = [[low, 0.4, 0.0], [low, 0.4, 1.0], [high, 0.4, 1.0], [high, 0.4, 0.0]];
+        triangles.extend(two_sided(shapes::quad(bar, 2)));
+    }
+    let materials = vec![
+        Material::new("wall", [0.5; 3], [0.0; 3]),
+        Material::new("lamp", [0.2; 3], [3.0; 3]),
+        Material::new("bars", [0.7; 3], [0.0; 3]),
+    ];
+    let mut scene = Scene::from_triangles("bars", &triangles, materials).unwrap();
+    if alpha {
+        unwrap(&mut scene, first..first + 4, |p| [p[0], p[2]]);
+        scene.textures = vec![texture(8, 1, |x, _| [(1 - x % 2) as f32; 4])];
+        scene.materials[2].alpha_map = Some(Map::new(0));
+    }
+    scene
+}
+
+#[test]
+fn bars_of_an_alpha_map_are_bars() {
+    let Some(gpu) = gpu() else { return };
+    let backend = Backend::Gpu(gpu);
+    let bar = |x: f64, up: f64| SurfacePoint { p: [x, 0.4, 0.45], n: [0.0, up, 0.0] };
+    let points = [floor(4), vec![bar(0.06, 1.0), bar(0.57, 1.0), bar(0.31, -1.0), bar(0.8, -1.0)]].concat();
+    let (real, cut) = (barred(false), barred(true));
+    let truth = traced(&real, &points, 4_096);
+    let by_alpha = traced(&cut, &points, 4_096);
+    let off = rrmse(&by_alpha, &truth);
+    assert!(off < 0.015, "paths through an alpha map and between bars differ by {off}");
+    let params = Params { rays: 65_536, ..Params::default() };
+    let baked = |scene: &Scene| {
+        let answers = solve(&backend, scene, &params).query(&backend, &points).unwrap();
+        answers.iter().map(|a| a.b).collect::<Vec<_>>()
+    };
+    let error = rrmse(&baked(&cut), &truth);
+    assert!(error < 0.03, "{error}");
+    // Switched off the screen is whole, and the floor dark.
+    let mut whole = cut.clone();
+    "-transparency".parse::<Switches>().unwrap().apply(&mut whole).unwrap();
+    let without = rrmse(&baked(&whole), &truth);
+    assert!(without > 0.3, "{without}");
+    let told = analyse(&cut).unwrap().into_iter().find(|e| e.name == "transparency").unwrap();
+    assert!(told.on && told.why.contains("25 % of the area"), "{told:?}");
+    eprintln!("bars: paths {off:.4}, bake {error:.4}, switched off {without:.3}");
+}
+
 /// Points, and the direct light there, byte by byte.
 fn found<E: Engine>(engine: &mut E, geometry: &Geometry) -> Vec<u8> {
     let starts = tiles::starts(geometry, &vec![0.0; geometry.tiles as usize], 0.0);
@@ -90,8 +142,7 @@ fn a_cut_out_that_is_all_there_changes_no_byte() {
 /// A furnace whose walls and a free-standing sheet in it send E = 1 - rho: B = 1 everywhere that is there.
 fn furnace(alpha: Texture) -> Scene {
     let sheet = [[0.2, 0.2, 0.5], [0.8, 0.2, 0.5], [0.8, 0.8, 0.5], [0.2, 0.8, 0.5]];
-    let turned = [sheet[3], sheet[2], sheet[1], sheet[0]];
-    let triangles = [shapes::room([0.0; 3], [1.0; 3], [0; 6]), shapes::quad(sheet, 1), shapes::quad(turned, 1)].concat();
+    let triangles = [shapes::room([0.0; 3], [1.0; 3], [0; 6]), two_sided(shapes::quad(sheet, 1))].concat();
     let send = |rho: f64| Material::new("m", [rho; 3], [(1.0 - rho) / PI; 3]);
     let mut scene = Scene::from_triangles("furnace", &triangles, vec![send(0.5), send(0.7)]).unwrap();
     unwrap(&mut scene, 12..16, |p| [(p[0] - 0.2) / 0.6, (p[1] - 0.2) / 0.6]);
@@ -148,10 +199,10 @@ fn both_sides_of_a_sheet_are_lit() {
     // A plate between a lamp above and nothing below: its lower side is dark, its upper side lit, by one face and its twin.
     let plate = [[-0.5, 1.0, -0.5], [-0.5, 1.0, 0.5], [0.5, 1.0, 0.5], [0.5, 1.0, -0.5]];
     let lamp = [[0.5, 2.0, -0.5], [0.5, 2.0, 0.5], [-0.5, 2.0, 0.5], [-0.5, 2.0, -0.5]];
-    let turned = [plate[3], plate[2], plate[1], plate[0]];
     let materials = || vec![Material::new("plate", [0.5; 3], [0.0; 3]), Material::new("lamp", [0.0; 3], [1.0; 3])];
-    let one = [shapes::quad(turned, 0), shapes::quad(lamp, 1)].concat();
-    let both = [one.clone(), shapes::quad(plate, 0)].concat();
+    let sides = two_sided(shapes::quad(plate, 0));
+    let one = [sides[2..].to_vec(), shapes::quad(lamp, 1)].concat();
+    let both = [sides, shapes::quad(lamp, 1)].concat();
     let above = SurfacePoint { p: [0.1, 1.0, 0.1], n: [0.0, 1.0, 0.0] };
     let params = Params { rays: 2_048, direct_samples: 4_096, ..Params::default() };
     let at = |triangles: &shapes::Triangles| {
@@ -162,4 +213,6 @@ fn both_sides_of_a_sheet_are_lit() {
     let lit = at(&both);
     assert!((lit.d[0] / PI - 0.2394).abs() < 0.01, "{lit:?}");
     assert_eq!(at(&one).b, [0.0; 3]);
+    let truth = traced(&Scene::from_triangles("plate", &both, materials()).unwrap(), &[above], 8_192)[0];
+    assert!((lit.b[0] / truth[0] - 1.0).abs() < 0.01, "{lit:?} {truth:?}");
 }

@@ -1,10 +1,12 @@
 //! Scenes with maps, for the tests of textures and of cut-outs.
 
+use raycell::accuracy::reference::{Goal, Reference};
 use raycell::engine::Engine;
 use raycell::layout::{DirectSum, Point};
-use raycell::scene::{Map, Material, Texels, Texture, shapes};
+use raycell::scene::{Geometry, Map, Material, Texels, Texture, shapes};
 use raycell::twin::direct::Samples;
 use raycell::{Backend, Flow, Params, Scene, Solution, SurfacePoint, bake};
+use std::path::Path;
 
 /// A texture of floats from what each texel holds.
 pub fn texture(w: u32, h: u32, of: impl Fn(u32, u32) -> [f32; 4]) -> Texture {
@@ -60,8 +62,24 @@ pub fn passes<E: Engine>(engine: &mut E, tiles: &[raycell::layout::Tile]) -> (Ve
     (points, direct, gathered.iter().map(|g| g.irradiance).collect())
 }
 
+/// The truth at points of a scene, by so many paths each.
+pub fn traced(scene: &Scene, points: &[SurfacePoint], paths: u64) -> Vec<[f64; 3]> {
+    let geometry = Geometry::new(scene).unwrap();
+    let mut reference = Reference::new(scene, &geometry, Path::new("points"), points.to_vec(), 5).unwrap();
+    reference
+        .run(Goal { noise: 0.0, paths, time: None }, &mut raycell::progress::Progress::new(&mut |_| Flow::Continue))
+        .unwrap();
+    reference.truth().b
+}
+
 /// Points on the floor, at the middles of squares of a grid.
 pub fn floor(n: usize) -> Vec<SurfacePoint> {
     let at = |i: usize| (i as f64 + 0.5) / n as f64;
     (0..n * n).map(|i| SurfacePoint { p: [at(i % n), 0.0, at(i / n)], n: [0.0, 1.0, 0.0] }).collect()
+}
+
+/// Triangles, and behind them a twin of each.
+pub fn two_sided(triangles: shapes::Triangles) -> shapes::Triangles {
+    let twins: shapes::Triangles = triangles.iter().map(|&([a, b, c], m)| ([a, c, b], m)).collect();
+    [triangles, twins].concat()
 }

@@ -1,8 +1,8 @@
 //! Textures: reflectance and emission that vary over a surface.
 
 use crate::common::{gpu, rrmse};
-use crate::maps::{checkers, floor, painted, passes, room, solve, texture, unwrap};
-use raycell::accuracy::reference::{Goal, Reference};
+use crate::maps::{checkers, floor, painted, passes, room, solve, texture, traced, unwrap};
+use raycell::effects::{Switches, analyse};
 use raycell::network::tiles;
 use raycell::pass::GpuEngine;
 use raycell::scene::{Geometry, LoadOptions, Map, Material, Texels, shapes};
@@ -34,15 +34,6 @@ fn split(dark: f64, pale: f64) -> Scene {
     Scene::from_triangles("split", &triangles, materials).unwrap()
 }
 
-fn traced(scene: &Scene, points: &[SurfacePoint], paths: u64) -> Vec<[f64; 3]> {
-    let geometry = Geometry::new(scene).unwrap();
-    let mut reference = Reference::new(scene, &geometry, Path::new("points"), points.to_vec(), 5).unwrap();
-    reference
-        .run(Goal { noise: 0.0, paths, time: None }, &mut raycell::progress::Progress::new(&mut |_| Flow::Continue))
-        .unwrap();
-    reference.truth().b
-}
-
 fn answers(solution: &Solution, backend: &Backend, points: &[SurfacePoint]) -> Vec<[f64; 3]> {
     solution.query(backend, points).unwrap().iter().map(|a| a.b).collect()
 }
@@ -68,8 +59,11 @@ fn a_checkered_floor_is_one_of_squares() {
     let baked = answers(&solve(&backend, &painted_floor, &params), &backend, &points);
     let error = rrmse(&baked, &truth);
     assert!(error < 0.02, "{error}");
-    // The mean alone is another floor.
-    let plain = room(Material::new("plain", [0.5; 3], [0.0; 3]), Vec::new());
+    // Switched off, the floor is its mean, and fails.
+    let mut plain = painted_floor.clone();
+    "-textures".parse::<Switches>().unwrap().apply(&mut plain).unwrap();
+    assert!(plain.warnings[0].contains("textures is off"), "{:?}", plain.warnings);
+    assert!((plain.materials[2].reflectance[0] - 0.5).abs() < 1e-6 && plain.materials[2].reflectance_map.is_none());
     let without = rrmse(&answers(&solve(&backend, &plain, &params), &backend, &points), &truth);
     assert!(without > 0.2, "{without}");
     eprintln!("checkered floor: paths {off:.4}, bake {error:.4}, without the texture {without:.3}");
@@ -198,6 +192,23 @@ fn kernels_read_textures_as_twins_do() {
 }
 
 #[test]
+fn textures_are_told_with_their_share() {
+    let of = |scene: &Scene, name: &str| analyse(scene).unwrap().into_iter().find(|e| e.name == name).unwrap();
+    let mut scene = room(painted(1.0), vec![checkers(4, 0.1, 0.9)]);
+    let on = of(&scene, "textures");
+    // One of six equal sides.
+    assert!(on.on && on.why.contains("reflectance varies over 17 % of the area ('made')"), "{on:?}");
+    assert!(!of(&scene, "colour").on && !of(&scene, "transparency").on);
+    // A red texel is a colour; a map that no face has coordinates for is none.
+    scene.textures[0] = texture(2, 1, |x, _| [0.5, 0.25 * x as f32, 0.0, 1.0]);
+    assert!(of(&scene, "colour").why.contains("100 % ('painted')"), "{:?}", of(&scene, "colour"));
+    scene.face_uvs.clear();
+    assert!(!of(&scene, "textures").on);
+    let mean = Geometry::new(&scene).unwrap().materials[2].rho;
+    assert_eq!(mean, [0.5, 0.125, 0.0]);
+}
+
+#[test]
 fn a_saved_solution_holds_its_textures() {
     let scene = room(painted(0.8), vec![checkers(4, 0.1, 0.9)]);
     let solution =
@@ -303,7 +314,7 @@ fn broken_images_and_coordinates_are_named() {
     with(beyond.as_bytes(), b"newmtl a\nKd .5 .5 .5\n", &image).expect("no map looks at them");
     let wild = String::from_utf8(OBJ.to_vec()).unwrap().replace("vt 1 1", "vt 1e9 1");
     let said = with(wild.as_bytes(), mtl, &image).unwrap_err().to_string();
-    assert!(said.contains("s.obj: texture coordinate 2 is [1000000000.0, 0.0], beyond 65536 repeats"), "{said}");
+    assert!(said.contains("s.obj:11, texture coordinate 2 is [1000000000.0, 0.0], beyond 65536 repeats"), "{said}");
     // More than white.
     let hot = texture(1, 1, |_, _| [1.5; 4]);
     let mut scene = room(painted(0.5), vec![hot]);
