@@ -116,6 +116,16 @@ pub enum Error {
         /// What to do.
         cure: &'static str,
     },
+    /// A texture, or a texture coordinate, that cannot be used.
+    #[error("{place} {what}; {cure}")]
+    InvalidTexture {
+        /// The texture, or the file and the line or the scene and the triangle.
+        place: String,
+        /// What is wrong.
+        what: String,
+        /// What to do.
+        cure: &'static str,
+    },
     /// A mirror that reflects all, or shines.
     #[error("{place}: material '{material}': {what}; give a mirror a reflectance below 1 and no emission")]
     InvalidMirror {

@@ -235,14 +235,15 @@ fn what_exporters_write_is_read_or_named() {
     assert_eq!(scene.material_places, ["my scene.mtl:2", "b.mtl:2"]);
     let all = scene.warnings.join("\n");
     for part in [
-        "my scene.mtl: not supported and left out: map_Kd (once, line 3), illum (once, line 4), d (once, line 5), Ks (once, line 6);",
-        "b.mtl: not supported and left out: map_Kd (once, line 3);",
+        "my scene.mtl: not supported and left out: illum (once, line 4), d (once, line 5), Ks (once, line 6);",
+        "my scene.mtl:3: texture 'wood.png' was not found",
+        "b.mtl:3: texture 'b.png' was not found",
         "s.obj:3: material file 'a.mtl' was not found",
         "s.obj: not supported and left out: l (once, line 13), p (once, line 14), curv2 (once, line 15);",
     ] {
         assert!(all.contains(part), "expected {part:?} in\n{all}");
     }
-    assert_eq!(scene.warnings.len(), 4, "{all}");
+    assert_eq!(scene.warnings.len(), 5, "{all}");
 }
 
 #[test]

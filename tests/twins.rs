@@ -139,7 +139,7 @@ fn room_scene() -> Scene {
     quad(&mut t, [h[0], l[1], l[2]], [h[0], h[1], l[2]], [h[0], h[1], h[2]], [h[0], l[1], h[2]], 0);
     // A sheet that faces up only.
     quad(&mut t, [0.4, -0.6, 0.5], [0.9, -0.6, 0.5], [0.9, 0.2, 0.6], [0.4, 0.2, 0.6], 1);
-    let material = |name: &str, reflectance, emission| Material::new(name, reflectance, emission);
+    let material = Material::new;
     let materials = vec![
         material("white", [0.75, 0.75, 0.72], [0.0; 3]),
         material("red", [0.6, 0.05, 0.05], [0.0; 3]),
@@ -758,6 +758,13 @@ fn jacobi_equals_its_twin_in(gpu: &Gpu, g: &Geometry, grey: bool) {
             node_source: (0..nodes)
                 .map(|j| NodeLight { h: [number(j + 9); 3], g0: [0.1; 3], g1: [-number(j); 3], ..NodeLight::default() })
                 .collect(),
+            // Nodes of their own reflectance, or of the scene's.
+            materials: match nodes % 2 == 1 {
+                true => {
+                    (0..nodes).map(|j| raycell::layout::Material { rho: [number(j) * 9.0; 3], ..Default::default() }).collect()
+                }
+                false => Vec::new(),
+            },
         };
         let light: Vec<NodeLight> = (0..nodes).map(|j| NodeLight { h: [number(j); 3], ..NodeLight::default() }).collect();
         let sweeps = if cells + nodes > 100_000 { 2 } else { 37 };

@@ -23,6 +23,7 @@ struct Params {
 @group(0) @binding(6) var<storage, read> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> psi: array<Psi>;
 @group(0) @binding(8) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(9) var texels: texture_2d_array<u32>;
 
 const CONE = 0.7; // normals must agree to this cosine
 const NEAREST = 9u; // candidates looked at

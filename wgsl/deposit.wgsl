@@ -1,6 +1,7 @@
 // Pass deposit: what rays bring to the nodes from emitter ends whose light is known. Twin: src/twin/deposit.rs.
 #import layout
 #import triangles
+#import texture
 #import math
 #import fixed
 #import sums
@@ -21,6 +22,7 @@ struct Params {
 @group(0) @binding(6) var<storage, read> direct: array<DirectSum>;
 @group(0) @binding(7) var<storage, read> light: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>; // NodeSource, by words
+@group(0) @binding(9) var texels: texture_2d_array<u32>;
 
 const WORDS = 18u; // of NodeSource
 
@@ -43,6 +45,14 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     var sent = material.rho * h + material.emit;
     if (params.known & 2u) != 0u {
         sent = material.rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+    }
+    if TEXTURES {
+        let b = shares(points[x].tri, points[x].p);
+        let rho = mapped(material.rho, points[x].tri, RHO, b);
+        sent = rho * h + mapped(material.emit, points[x].tri, EMIT, b);
+        if (params.known & 2u) != 0u {
+            sent = rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)) + h);
+        }
     }
     if LOSSY {
         sent *= points[d | 1u].density;

@@ -33,6 +33,7 @@ struct Params {
 // What no surface sends (lib/sky.wgsl, lib/lights.wgsl).
 @group(0) @binding(9) var sky: texture_2d_array<u32>;
 @group(0) @binding(10) var lights: texture_2d_array<u32>;
+@group(0) @binding(11) var texels: texture_2d_array<u32>;
 
 fn cdf(i: u32) -> u32 {
     return emitters[i].cdf;
@@ -71,12 +72,58 @@ fn area_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>, cosine: u32) -> vec3<f
     let x = position(there, b.x, b.y);
     let g = kernel_g(x, tri_normal(there), p, tri_normal(tri));
     let planes = vec2<u32>(tri_plane(tri), tri_plane(there));
+    if CUTOUTS {
+        if !is_there(there, b) {
+            return vec3<f32>();
+        }
+    }
     if g > 0.0 && planes.x != planes.y && !segment_blocked(p, x, planes) {
         if SIGMA > 0.0 {
-            let light = materials[tri_material(there)].emit * (g / (ne * emitters[drawn.index].density + nc * g));
-            return light * between(p, x);
+            var emit = materials[tri_material(there)].emit;
+            if TEXTURES {
+                emit = mapped(emit, there, EMIT, b);
+            }
+            return (emit * (g / (ne * emitters[drawn.index].density + nc * g))) * between(p, x);
+        }
+        if TEXTURES {
+            let emit = mapped(materials[tri_material(there)].emit, there, EMIT, b);
+            return emit * (g / (ne * emitters[drawn.index].density + nc * g));
         }
         return materials[tri_material(there)].emit * (g / (ne * emitters[drawn.index].density + nc * g));
+    }
+    return vec3<f32>();
+}
+
+// Sampling density of an emitter that does not shine evenly: that of its mean. Emitters are in the order of triangles.
+fn uneven_density(tri: u32) -> f32 {
+    var low = 0u;
+    var high = params.emitters - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if emitters[middle].tri < tri {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    unfinished = unfinished || low < high;
+    return select(0.0, emitters[low].density, emitters[low].tri == tri);
+}
+
+// What a cosine direction brings from a surface that does not shine evenly.
+fn uneven_light(hit: Hit, n: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    let emit = mapped(materials[tri_material(hit.tri)].emit, hit.tri, EMIT, vec2<f32>(hit.b1, hit.b2));
+    if emit.x + emit.y + emit.z > 0.0 {
+        if MIRRORS {
+            if way.mirrors > 0u {
+                return emit * (way.share / f32(params.cosine));
+            }
+        }
+        let g = geometric(-dot3(tri_normal(hit.tri), direction), dot3(n, direction), hit.t);
+        if SIGMA > 0.0 {
+            return (emit * (g / (f32(params.emitter) * uneven_density(hit.tri) + f32(params.cosine) * g))) * way.share;
+        }
+        return emit * (g / (f32(params.emitter) * uneven_density(hit.tri) + f32(params.cosine) * g));
     }
     return vec3<f32>();
 }
@@ -90,6 +137,16 @@ fn cosine_sample(k: u32, seed: u32, tri: u32, p: vec3<f32>) -> vec3<f32> {
     let direction = cosine_direction(n, unit(u.z), unit(u.w));
     let met = first_hit(tri, p, direction);
     if met.kind == FRONT {
+        if TEXTURES {
+            if has_map(met.hit.tri, EMIT) || has_map(met.hit.tri, MASK) {
+                return uneven_light(met.hit, n, direction);
+            }
+        }
+        if CUTOUTS {
+            if has_map(met.hit.tri, MASK) {
+                return uneven_light(met.hit, n, direction);
+            }
+        }
         let emit = materials[tri_material(met.hit.tri)].emit;
         let total = emit.x + emit.y + emit.z;
         if total > 0.0 {

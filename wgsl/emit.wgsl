@@ -28,6 +28,7 @@ struct Params {
 // Rays whose start may be dead, in any order; their number comes first.
 @group(0) @binding(6) var<storage, read_write> suspects: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(8) var texels: texture_2d_array<u32>;
 
 fn cdf(i: u32) -> u32 {
     return tiles[i].cdf;
@@ -50,6 +51,16 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     let b = place_in_tile(tri_split(tri), drawn.index - tri_first_tile(tri), drawn.place, unit(u.y));
     let p = position(tri, b.x, b.y);
     let direction = cosine_direction(tri_normal(tri), unit(u.z), unit(u.w));
+
+    if CUTOUTS {
+        // What is cut out sends nothing and receives nothing.
+        if !is_there(tri, b) {
+            points[2u * item] = Point(p, tri, drawn.index, DEAD, 0.0, tiles[drawn.index].density);
+            points[2u * item + 1u] = Point(direction, NONE, NONE, DEAD, 0.0, 0.0);
+            finish();
+            return;
+        }
+    }
 
     // Trace, and weigh by what was met.
     let met = first_hit(tri, p, direction);

@@ -1,6 +1,7 @@
 // Pass coefficients, second kernel: flux and source of the cells. Twin: src/twin/coefficients.rs.
 #import layout
 #import triangles
+#import texture
 #import fixed
 #import sums
 
@@ -18,6 +19,7 @@ struct Params {
 @group(0) @binding(4) var<storage, read> materials: array<Material>;
 @group(0) @binding(5) var<storage, read> direct: array<DirectSum>;
 @group(0) @binding(6) var<storage, read_write> sums: array<atomic<u32>>; // CellFlux, by words
+@group(0) @binding(7) var texels: texture_2d_array<u32>;
 
 const WORDS = 8u; // of CellFlux
 
@@ -36,6 +38,13 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     var source = materials[material].emit;
     if params.exact == 1u {
         source = materials[material].rho * (direct[x].sum / f32(max(direct[x].rounds, 1u)));
+    }
+    if TEXTURES {
+        let b = shares(points[x].tri, points[x].p);
+        source = mapped(materials[material].emit, points[x].tri, EMIT, b);
+        if params.exact == 1u {
+            source = mapped(materials[material].rho, points[x].tri, RHO, b) * (direct[x].sum / f32(max(direct[x].rounds, 1u)));
+        }
     }
     let at = WORDS * winners[d];
     if LOSSY {

@@ -1,6 +1,7 @@
 // Pass gather: the mean over a point's cosine rays of what their hits reflect. Twin: src/twin/gather.rs.
 #import layout
 #import triangles
+#import texture
 #import finish
 
 struct Params {
@@ -23,6 +24,7 @@ struct Params {
 // Two a point: irradiance and nearness; shares of front and of back hits.
 @group(0) @binding(6) var<storage, read_write> gathered: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(8) var texels: texture_2d_array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
@@ -55,7 +57,14 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             if params.exact == 1u {
                 d = direct[at].sum / f32(max(direct[at].rounds, 1u));
             }
-            if LOSSY {
+            if TEXTURES {
+                let b = shares(hits[at].tri, hits[at].p);
+                var sent = mapped(rho, hits[at].tri, RHO, b) * (d + light[at].xyz);
+                if LOSSY {
+                    sent *= hits[at].density;
+                }
+                sum += sent;
+            } else if LOSSY {
                 sum += (rho * (d + light[at].xyz)) * hits[at].density;
             } else {
                 sum += rho * (d + light[at].xyz);

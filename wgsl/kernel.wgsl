@@ -16,6 +16,7 @@ struct Params {
 @group(0) @binding(3) var<storage, read> points: array<Point>;
 @group(0) @binding(4) var<storage, read_write> values: array<f32>;
 @group(0) @binding(5) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(6) var texels: texture_2d_array<u32>;
 
 fn pair(x: u32, y: u32) -> f32 {
     let tx = points[x].tri;

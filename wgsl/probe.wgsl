@@ -23,6 +23,7 @@ struct Params {
 @group(0) @binding(3) var<storage, read> suspects: array<u32>; // their number first
 @group(0) @binding(4) var<storage, read_write> points: array<Point>;
 @group(0) @binding(5) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(6) var texels: texture_2d_array<u32>;
 
 const PROBES = 11u; // cosine rays that decide whether a start is dead
 const SKY_PROBES = 4u; // probes after which a start that has seen sky only is alive

@@ -172,11 +172,11 @@ fn test<E: Engine>(
 
     let (spacing, judged) = (solution.spacing(), geometry.judged());
     let tests = (0..places.len()).filter_map(|i| {
-        let m = geometry.material_at(&places[i]);
+        let (m, of) = (geometry.material_at(&places[i]), geometry.material_of(places[i].tri as usize));
         let d = direct[i].mean().map(f64::from);
         let [one, two] = [&halves[0][i], &halves[1][i]];
-        // Covered surfaces send nothing.
-        if !judged(m) || (one.is_dead() && two.is_dead() && d == [0.0; 3]) {
+        // Covered surfaces send nothing, nor do those that are not there.
+        if !judged(of) || !geometry.is_there(&places[i]) || (one.is_dead() && two.is_dead() && d == [0.0; 3]) {
             return None;
         }
         let network = [0, 1, 2].map(|k| f64::from(network[i][k]));

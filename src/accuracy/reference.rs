@@ -26,6 +26,7 @@ use crate::twin::lights::from_lights;
 use crate::twin::math::{cosine_direction, seed_of, unit};
 use crate::twin::sky;
 use crate::twin::sobol::sobol4;
+use crate::twin::texture::{self, is_there};
 use crate::twin::trace::{place_on, position};
 use crate::twin::way::follow;
 use glam::Vec3;
@@ -140,6 +141,7 @@ impl<'a> Reference<'a> {
             bytes(&geometry.materials),
             bytes(&geometry.sky.texels),
             bytes(&geometry.lights.all),
+            bytes(&geometry.texels),
             bytes(&[geometry.scale, geometry.emission_scale, geometry.arrives]),
             bytes(&coordinates),
             bytes(&[seed, PATHS, DIRECT.emitter, DIRECT.cosine, END.emitter]),
@@ -260,14 +262,14 @@ impl<'a> Reference<'a> {
         let unscale = self.geometry.arrives / self.geometry.emission_scale;
         let mut truth = Truth { points: self.points.clone(), ..Truth::default() };
         for (i, spot) in self.spots.iter().enumerate() {
-            let material = &self.scene.materials[self.geometry.tris[spot.tri as usize].material as usize];
+            let (reflectance, emission) = self.geometry.shown(self.scene, spot.tri, spot.p);
             let (sum, square) = (self.state.sum[i], self.state.square[i]);
             let m = (self.state.rounds * self.share(i)).max(1) as f64;
-            let b = [0, 1, 2].map(|k| PI * material.emission[k] + material.reflectance[k] * sum[k] / m * unscale);
+            let b = [0, 1, 2].map(|k| PI * emission[k] + reflectance[k] * sum[k] / m * unscale);
             let stderr = [0, 1, 2].map(|k| {
                 let mean = sum[k] / m;
                 let variance = (square[k] / m - mean * mean).max(0.0) / (m - 1.0).max(1.0);
-                material.reflectance[k] * unscale * variance.sqrt()
+                reflectance[k] * unscale * variance.sqrt()
             });
             truth.b.push(b);
             truth.stderr.push(stderr);
@@ -308,7 +310,7 @@ pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<Surfac
         let tri = &geometry.tris[t];
         let (b1, b2) = place_on(geometry.flatland, place as f32, unit(u[1]));
         let p = position(geometry.flatland, tri, b1, b2);
-        if !is_covered(geometry, t as u32, p, seed_of(seed, i)) {
+        if is_there(geometry, t as u32, b1, b2) && !is_covered(geometry, t as u32, p, seed_of(seed, i)) {
             let world = geometry.to_world(p.to_array());
             let n = tri.normal.map(f64::from);
             // Only what a query finds again.
@@ -373,7 +375,7 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
             light += through * from_way(geometry, n, &way, END);
         }
         let there = &geometry.tris[hit.tri as usize];
-        through *= Vec3::from(geometry.materials[there.material as usize].rho) * way.share;
+        through *= texture::rho(geometry, hit.tri, hit.b1, hit.b2) * way.share;
         if reflections >= SURE {
             let stay = through.max_element().min(GO_ON);
             if random.unit() >= stay {

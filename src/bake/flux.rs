@@ -170,6 +170,7 @@ fn pilot<E: Engine>(
     let sent: Vec<[f64; 3]> = (0..geometry.tiles as usize)
         .map(|t| {
             let m = geometry.material_of(geometry.tile_tri[t] as usize);
+            let m = if geometry.textured { geometry.material_at(&places[looks.of[t] as usize]) } else { *m };
             let d = direct[looks.of[t] as usize].mean();
             [0, 1, 2].map(|k| if exact { (m.rho[k] * d[k]) as f64 } else { m.emit[k] as f64 })
         })
@@ -210,7 +211,11 @@ fn pilot<E: Engine>(
         }
         Ok((0..sent.len())
             .map(|t| {
-                let rho = geometry.material_of(geometry.tile_tri[t] as usize).rho;
+                let rho = if geometry.textured {
+                    geometry.material_at(&places[looks.of[t] as usize]).rho
+                } else {
+                    geometry.material_of(geometry.tile_tri[t] as usize).rho
+                };
                 mean(&[0, 1, 2].map(|k| sent[t][k] + (rho[k] * h[looks.of[t] as usize][k]) as f64))
             })
             .collect())
@@ -348,7 +353,7 @@ fn network<E: Engine>(
         }
 
         // Rooms that see nothing of each other get cells of their own, and sums of their own unit.
-        let cell_count = clock.time(engine, "coefficients", |engine| {
+        let (cell_count, materials) = clock.time(engine, "coefficients", |engine| {
             let mut components = Components::new(surface.nodes.len());
             let mut seen = Vec::new();
             let (mut peaks, mut first) = (Peaks::new(surface.nodes.len()), 0);
@@ -369,7 +374,7 @@ fn network<E: Engine>(
                 progress.tick()?;
             }
             peaks.set_gains(geometry, &components.numbers(), &mut surface.nodes);
-            Ok(splitter.cells())
+            Ok((splitter.cells(), peaks.materials(geometry, &surface.nodes)))
         })?;
 
         // Read the cells as coefficients.
@@ -379,6 +384,7 @@ fn network<E: Engine>(
             let sums = engine.coefficients(&batches, exact, normalise, stage.rays as f32, cell_count, &mut || progress.tick())?;
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
+            built.system.materials = materials;
             nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark);
             engine.set_surface(&surface)?;
             if exact {

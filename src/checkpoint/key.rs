@@ -46,7 +46,7 @@ impl Key {
         Key {
             raycell: env!("CARGO_PKG_VERSION").into(),
             triangles: digest(&[bytes(&geometry.tris), bytes(&[geometry.scale]), bytes(&objects), names.as_bytes()]),
-            materials: digest(&[bytes(&geometry.materials), bytes(&[geometry.emission_scale])]),
+            materials: digest(&[bytes(&geometry.materials), bytes(&[geometry.emission_scale]), bytes(&geometry.texels)]),
             effects: if scene.effects == Switches::default() { String::new() } else { scene.effects.to_string() },
             lights: (geometry.is_surfaceless())
                 .then(|| digest(&[bytes(&geometry.sky.texels), bytes(&geometry.lights.all), bytes(&[geometry.lights.suns])])),

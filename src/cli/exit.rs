@@ -69,6 +69,7 @@ pub fn of(e: &Error) -> (&'static str, u8) {
         Error::InvalidLight { .. } => ("invalid_light", USAGE),
         Error::InvalidEmission { .. } => ("invalid_emission", USAGE),
         Error::InvalidMirror { .. } => ("invalid_mirror", USAGE),
+        Error::InvalidTexture { .. } => ("invalid_texture", USAGE),
         Error::InvalidParam { .. } => ("invalid_param", USAGE),
         Error::UnknownName { .. } => ("unknown_name", USAGE),
         Error::OtherBake { .. } => ("other_bake", USAGE),

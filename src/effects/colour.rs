@@ -2,7 +2,7 @@
 
 use super::{Name, percent, shared, told};
 use crate::output::report::EffectReport;
-use crate::scene::{Environment, Material, Scene};
+use crate::scene::{Environment, Map, Material, Scene};
 
 /// Largest difference between two bands, over their largest value.
 fn spread(bands: [f64; 3]) -> f64 {
@@ -27,21 +27,25 @@ fn spread_around(around: &Environment) -> f64 {
 pub(super) fn colour(scene: &Scene) -> EffectReport {
     let mut used = vec![false; scene.materials.len()];
     scene.faces.iter().for_each(|f| used[f.material as usize] = true);
-    let of = |m: &Material| spread(m.reflectance).max(spread(m.emission));
-    let most =
-        (0..scene.materials.len()).filter(|&m| used[m]).map(|m| &scene.materials[m]).max_by(|a, b| of(a).total_cmp(&of(b)));
+    let mapped = |factor: [f64; 3], map: Option<Map>| match map.map(|m| &scene.textures[m.texture as usize]) {
+        Some(texture) if !texture.is_grey() => {
+            let texel = |i| texture.texel(i % texture.width, i / texture.width);
+            let spread = |t: [f32; 4]| spread([0, 1, 2].map(|k| factor[k] * f64::from(t[k])));
+            (0..texture.width * texture.height).map(|i| spread(texel(i))).fold(0.0, f64::max)
+        }
+        _ => spread(factor),
+    };
+    let of = |m: &Material| mapped(m.reflectance, m.reflectance_map).max(mapped(m.emission, m.emission_map));
+    let materials = scene.materials.iter().zip(used).filter(|(_, used)| *used);
+    let surfaces = materials.map(|(m, _)| (of(m), m.name.as_str()));
     // Colours of light without a surface: the same bands.
-    let mut lights: Vec<(f64, &str)> = scene.lights.iter().map(|l| (spread(l.intensity), l.name.as_str())).collect();
-    lights.extend(scene.environment.as_ref().map(|around| (spread_around(around), "environment")));
-    let coloured = lights.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|l| l.0 > 0.0);
-    if let Some((spread, name)) = coloured.filter(|l| most.is_none_or(|m| of(m) < l.0)) {
-        let why = format!("bands differ by up to {} ('{name}')", percent(spread));
-        return shared(told(Name::Colour, true, why, "three bands in every sum; geometry and rays are shared"), spread);
-    }
-    match most.filter(|m| of(m) > 0.0) {
-        Some(m) => {
-            let why = format!("bands differ by up to {} ('{}')", percent(of(m)), m.name);
-            shared(told(Name::Colour, true, why, "three bands in every sum; geometry and rays are shared"), of(m))
+    let lights = scene.lights.iter().map(|l| (spread(l.intensity), l.name.as_str()));
+    let around = scene.environment.iter().map(|around| (spread_around(around), "environment"));
+    let spreads = surfaces.chain(lights).chain(around);
+    match spreads.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|most| most.0 > 0.0) {
+        Some((most, name)) => {
+            let why = format!("bands differ by up to {} ('{name}')", percent(most));
+            shared(told(Name::Colour, true, why, "three bands in every sum; geometry and rays are shared"), most)
         }
         None => told(Name::Colour, false, "all is grey: the three bands are one".into(), "nothing: the solve carries one band"),
     }

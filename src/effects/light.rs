@@ -8,6 +8,7 @@ use crate::twin::lights::{from_lights, surfaceless};
 use crate::twin::math::{cosine_direction, invert_cdf, kernel_g, seed_of, unit};
 use crate::twin::sky::from_sky;
 use crate::twin::sobol::sobol4;
+use crate::twin::texture;
 use crate::twin::trace::{place_on, position, segment_blocked};
 use crate::twin::way::follow;
 use glam::Vec3;
@@ -123,7 +124,7 @@ fn path(geometry: &Geometry, mut tri: u32, mut p: Vec3, i: u32) -> Path {
             break;
         }
         let there = &geometry.tris[hit.tri as usize];
-        through *= Vec3::from(geometry.materials[there.material as usize].rho) * way.share;
+        through *= texture::rho(geometry, hit.tri, hit.b1, hit.b2) * way.share;
         if through == Vec3::ZERO {
             break;
         }

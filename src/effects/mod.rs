@@ -6,6 +6,7 @@
 mod colour;
 mod light;
 mod lights;
+mod maps;
 mod names;
 mod occlusion;
 mod switches;
@@ -42,11 +43,11 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
             Name::Colour => colour::colour(scene),
             Name::TwoSided => two_sided(geometry),
             Name::Flatland => flatland(geometry),
-            Name::Textures => unread(scene, name, &["map_Kd", "map_Ke", "texture"]),
+            Name::Textures => maps::textures(scene, geometry),
             Name::Environment => lights::environment(scene, geometry, &look),
             Name::Lights => lights::lights(scene, geometry, &look),
             Name::Mirrors => way::mirrors(scene, geometry, &look),
-            Name::Transparency => unread(scene, name, &["map_d", "Tr", "Tf", "Ni", "alphaMode", "transmission"]),
+            Name::Transparency => maps::transparency(scene, geometry),
             Name::Medium => way::medium(scene, geometry, &look),
         })
         .collect()
@@ -115,9 +116,9 @@ fn direct(geometry: &Geometry, look: &Look) -> EffectReport {
 }
 
 fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectReport {
-    let rho = |m: &crate::scene::Material| m.reflectance.iter().copied().fold(0.0, f64::max);
-    let most = geometry.tris.iter().map(|t| &scene.materials[t.material as usize]).max_by(|a, b| rho(a).total_cmp(&rho(b)));
-    let Some(most) = most.filter(|m| rho(m) > 0.0) else {
+    let rho = |m: u32| f64::from(geometry.most_rho[m as usize]);
+    let most = geometry.tris.iter().map(|t| t.material).max_by(|&a, &b| rho(a).total_cmp(&rho(b)));
+    let Some(most) = most.filter(|&m| rho(m) > 0.0) else {
         return told(Name::Interreflection, false, "no surface reflects: all light is direct".into(), "nothing");
     };
     if !geometry.shines() {
@@ -127,7 +128,7 @@ fn interreflection(scene: &Scene, geometry: &Geometry, look: &Look) -> EffectRep
         "surfaces reflect up to {} ('{}'); {} of all light has been reflected before it arrives, and after {} reflection{} \
          less than 0.1 % of it is left",
         percent(rho(most)),
-        most.name,
+        scene.materials[most as usize].name,
         percent(look.reflected),
         look.bounces,
         if look.bounces == 1 { "" } else { "s" },

@@ -3,7 +3,7 @@
 use super::Name;
 use crate::error::{Error, Result};
 use crate::output::report::EffectReport;
-use crate::scene::Scene;
+use crate::scene::{Scene, Texture};
 use std::fmt;
 use std::str::FromStr;
 
@@ -102,6 +102,9 @@ fn switch(scene: &mut Scene, name: Name, on: bool, there: bool) -> Result<()> {
                 m.reflectance = [m.reflectance.iter().sum::<f64>() / 3.0; 3];
                 m.emission = [m.emission.iter().sum::<f64>() / 3.0; 3];
             }
+            if !scene.has_grey_maps() {
+                scene.textures = scene.textures.iter().map(Texture::in_grey).collect();
+            }
             for light in &mut scene.lights {
                 light.intensity = [light.intensity.iter().sum::<f64>() / 3.0; 3];
             }
@@ -129,7 +132,7 @@ fn switch(scene: &mut Scene, name: Name, on: bool, there: bool) -> Result<()> {
         (Name::Mirrors, false) => {
             // As much light as they reflect, but diffusely.
             for m in scene.materials.iter_mut().filter(|m| m.mirror > 0.0) {
-                (m.reflectance, m.mirror) = ([m.mirror; 3], 0.0);
+                (m.reflectance, m.reflectance_map, m.mirror) = ([m.mirror; 3], None, 0.0);
             }
             Ok(())
         }
@@ -137,8 +140,15 @@ fn switch(scene: &mut Scene, name: Name, on: bool, there: bool) -> Result<()> {
             scene.absorption = 0.0;
             Ok(())
         }
+        (Name::Textures, false) => {
+            scene.flatten_maps();
+            Ok(())
+        }
+        (Name::Transparency, false) => {
+            scene.materials.iter_mut().for_each(|m| m.alpha_map = None);
+            Ok(())
+        }
         (Name::Direct | Name::TwoSided | Name::Flatland, false) => refused("the scene is made of it; change the scene instead"),
-        (_, false) => refused("it cannot be switched off"),
     }
 }
 

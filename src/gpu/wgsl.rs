@@ -18,7 +18,7 @@ macro_rules! sources {
 pub const KERNELS: &[(&str, &str)] = sources!["": "sentinel", "emit", "probe", "shoot", "kernel", "direct", "assign", "feature", "winner", "accumulate", "adapt", "coefficients", "flux", "deposit", "beta", "update", "readout", "gather", "respond"];
 
 /// Modules that kernels import: name and source.
-pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "lights", "math", "medium", "ray", "sky", "sobol", "sums", "surface", "bands", "bands_one", "boxes", "boxes_paged", "triangles", "triangles_paged", "way"];
+pub const LIBS: &[(&str, &str)] = sources!["lib/": "finish", "fixed", "invert", "layout", "lights", "math", "medium", "ray", "sky", "sobol", "sums", "surface", "texture", "bands", "bands_one", "boxes", "boxes_paged", "triangles", "triangles_paged", "way"];
 
 /// The module of colour bands, and the one in its place where all is grey.
 const BANDS: (&str, &str) = ("bands", "bands_one");

@@ -150,7 +150,7 @@ pub fn place_nodes<E: Engine>(
         .collect();
     let points = sample_points(geometry, &weight, (count * POINTS_PER_NODE) as u32, seed);
     let dead = dead_points(engine, &points, seed ^ 0xdead, progress)?;
-    let points: Vec<Point> = points.into_iter().zip(dead).filter(|(_, d)| !d).map(|(p, _)| p).collect();
+    let points: Vec<Point> = points.into_iter().zip(dead).filter(|(p, d)| !d && geometry.is_there(p)).map(|(p, _)| p).collect();
     let places: Vec<Place> = points.iter().map(|p| place(geometry, p, lambda)).collect();
 
     // Each material has its own share of the nodes.

@@ -197,6 +197,11 @@ pub fn parse(bytes: Vec<u8>, path: &Path) -> Result<Container> {
 }
 
 impl Container {
+    /// Whether there is a section of a name.
+    pub fn has(&self, name: &str) -> bool {
+        self.sections.iter().any(|(e, _)| e.name == name)
+    }
+
     /// The records of a section.
     ///
     /// Errors: [`Error::Format`] where the section is missing or its records are of another size.

@@ -25,7 +25,17 @@ params!(
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "assign",
-    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write],
+    &[
+        Access::Scene,
+        Access::Scene,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Write,
+        Access::Write,
+        Access::Texels,
+    ],
 );
 
 /// The weights of many points, looked at in the order of `order`, a permutation of them.
@@ -54,6 +64,7 @@ pub fn assign(
         order.bound(),
         psi.bound(),
         gpu.status().into(),
+        scene.texels(),
     ];
     gpu.run(&scene.kernel(KERNEL), &params, &buffers, points.len(), HEAVY)?;
     Ok(psi)

@@ -60,7 +60,7 @@ pub(super) const KERNEL: Kernel = Kernel::new(
     &[Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write, Access::Write],
 );
 pub(super) const FLUX: Kernel =
-    Kernel::new("flux", &[Access::Read, Access::Read, Access::Scene, Access::Read, Access::Read, Access::Write]);
+    Kernel::new("flux", &[Access::Read, Access::Read, Access::Scene, Access::Read, Access::Read, Access::Write, Access::Texels]);
 
 /// A batch of rays and what is known of them.
 #[derive(Clone, Copy, Debug)]
@@ -168,6 +168,7 @@ fn flux(gpu: &Gpu, scene: &SceneBuffers, batches: &[Rays], normalise: f32, cells
             scene.materials.bound(),
             batch.direct.unwrap_or(&none).bound(),
             sums.bound(),
+            scene.texels(),
         ];
         gpu.run(&scene.summing(FLUX), &params, &buffers, batch.points.len(), LIGHT)?;
     }

@@ -21,7 +21,17 @@ pub struct Params {
 
 pub(super) const KERNEL: Kernel = Kernel::new(
     "deposit",
-    &[Access::Read, Access::Read, Access::Read, Access::Scene, Access::Read, Access::Read, Access::Read, Access::Write],
+    &[
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Scene,
+        Access::Read,
+        Access::Read,
+        Access::Read,
+        Access::Write,
+        Access::Texels,
+    ],
 );
 
 /// Adds one batch to `sums`, one a node; see [`crate::twin::deposit::deposit`].
@@ -49,6 +59,7 @@ pub fn deposit(
         direct.unwrap_or(&none).bound(),
         light.unwrap_or(&dark).bound(),
         sums.bound(),
+        scene.texels(),
     ];
     gpu.run(&scene.summing(KERNEL), &params, &buffers, points.len(), LIGHT)
 }

@@ -50,6 +50,7 @@ pub(super) const KERNEL: Kernel = Kernel::new(
         Access::Write,
         Access::Texels,
         Access::Texels,
+        Access::Texels,
     ],
 );
 
@@ -80,6 +81,7 @@ pub fn direct(
         gpu.status().into(),
         sky,
         lights,
+        scene.texels(),
     ];
     // As many rounds a dispatch as keep an invocation short.
     let mut done = 0;

@@ -55,10 +55,12 @@ pub struct ProbeParams {
     pub pad2: u32,
 }
 
-pub(super) const KERNEL: Kernel =
-    Kernel::new("emit", &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write]);
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "emit",
+    &[Access::Scene, Access::Scene, Access::Read, Access::Read, Access::Write, Access::Write, Access::Write, Access::Texels],
+);
 pub(super) const PROBE: Kernel =
-    Kernel::new("probe", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
+    Kernel::new("probe", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write, Access::Texels]);
 
 /// Shoots rays `first..first + count` of the sequence; `total` divides the weights. Two points a ray.
 pub fn emit(
@@ -83,11 +85,13 @@ pub fn emit(
         points.bound(),
         suspects.bound(),
         gpu.status().into(),
+        scene.texels(),
     ];
     let invocations = if count == 0 { 0 } else { 1 << bits };
     gpu.run(&scene.kernel(KERNEL), &params, &buffers, invocations, HEAVY)?;
     let params = ProbeParams { flag: gpu.flag(&PROBE), seed, first, ..ProbeParams::default() };
-    let buffers = [scene.nodes.bound(), scene.tris.bound(), suspects.bound(), points.bound(), gpu.status().into()];
+    let buffers =
+        [scene.nodes.bound(), scene.tris.bound(), suspects.bound(), points.bound(), gpu.status().into(), scene.texels()];
     gpu.run(&scene.kernel(PROBE), &params, &buffers, count as usize, HEAVY)?;
     Ok(points)
 }

@@ -27,8 +27,10 @@ params!(
     }
 );
 
-pub(super) const KERNEL: Kernel =
-    Kernel::new("gather", &[Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write]);
+pub(super) const KERNEL: Kernel = Kernel::new(
+    "gather",
+    &[Access::Scene, Access::Read, Access::Read, Access::Read, Access::Read, Access::Write, Access::Write, Access::Texels],
+);
 
 /// Averages `rays` consecutive hits a point: irradiance and nearness, then the shares of front and of
 /// back hits, two vectors a point ([`decode`] names them).
@@ -52,6 +54,7 @@ pub fn gather(
         direct.unwrap_or(&no_direct).bound(),
         gathered.bound(),
         gpu.status().into(),
+        scene.texels(),
     ];
     let mut first = 0;
     while first < rays {

@@ -5,7 +5,7 @@
 use super::{SceneBuffers, params};
 use crate::error::Result;
 use crate::gpu::{Access, Gpu, GpuVec, Kernel, LIGHT};
-use crate::layout::{Link, NodeLight, Plane};
+use crate::layout::{Link, Material, NodeLight, Plane};
 use crate::twin::jacobi::System;
 
 /// Sweeps in a submission, at most.
@@ -87,6 +87,8 @@ pub struct SystemBuffers {
     node_links: GpuVec<Link>,
     planes: GpuVec<Plane>,
     known: GpuVec<f32>,
+    /// The nodes' own materials, where they have some; `planes` then name these.
+    materials: Option<GpuVec<Material>>,
     beta: GpuVec<f32>,
 }
 
@@ -94,6 +96,9 @@ impl SystemBuffers {
     /// Uploads a system; of a `grey` scene one band.
     pub fn new(gpu: &Gpu, system: &System, grey: bool) -> Result<SystemBuffers> {
         let (bands, cells) = (Bands { grey }, system.source.len());
+        let own = !system.materials.is_empty();
+        let named = |(j, p): (usize, &Plane)| Plane { material: if own { j as u32 } else { p.material }, ..*p };
+        let planes: Vec<Plane> = system.planes.iter().enumerate().map(named).collect();
         Ok(SystemBuffers {
             bands,
             cells,
@@ -102,9 +107,10 @@ impl SystemBuffers {
             source: gpu.upload("source", &bands.cells(&system.source))?,
             node_offsets: gpu.upload("node offsets", &system.node_offsets)?,
             node_links: gpu.upload("node links", &system.node_links)?,
-            planes: gpu.upload("planes", &system.planes)?,
+            planes: gpu.upload("planes", &planes)?,
             known: gpu.upload("known light", &bands.nodes(&system.node_source))?,
             beta: gpu.alloc("beta", cells.max(1) * bands.of_cell())?,
+            materials: own.then(|| gpu.upload("node materials", &system.materials)).transpose()?,
         })
     }
 
@@ -131,7 +137,7 @@ pub fn jacobi(
         system.cell_links.buffer(),
         system.source.buffer(),
         system.planes.buffer(),
-        scene.materials.buffer(),
+        system.materials.as_ref().unwrap_or(&scene.materials).buffer(),
         light.buffer(),
         system.beta.buffer(),
         gpu.status(),

@@ -16,14 +16,14 @@ params!(
 );
 
 pub(super) const KERNEL: Kernel =
-    Kernel::new("kernel", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write]);
+    Kernel::new("kernel", &[Access::Scene, Access::Scene, Access::Read, Access::Write, Access::Write, Access::Texels]);
 
 /// G(x, y) V(x, y) of consecutive pairs of surface points, per local area.
 pub fn kernel(gpu: &Gpu, scene: &SceneBuffers, points: &GpuVec<Point>) -> Result<GpuVec<f32>> {
     let pairs = points.len() / 2;
     let values = gpu.alloc("values", pairs)?;
     let params = Params { flag: gpu.flag(&KERNEL), ..Params::default() };
-    let buffers = [scene.nodes.bound(), scene.tris.bound(), points.bound(), values.bound(), gpu.status().into()];
+    let buffers = [scene.nodes.bound(), scene.tris.bound(), points.bound(), values.bound(), gpu.status().into(), scene.texels()];
     gpu.run(&scene.kernel(KERNEL), &params, &buffers, pairs, HEAVY)?;
     Ok(values)
 }

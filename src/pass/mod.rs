@@ -60,11 +60,14 @@ fn constants(called: &Called) -> Constants {
         .with("LOSSY", called.is_lossy())
         .with("MIRRORS", called.mirrors)
         .with("SIGMA", called.sigma)
+        .with("TEXTURES", called.textures)
+        .with("CUTOUTS", called.cutouts)
 }
 
 /// The same of kernels that shoot no rays and sum what rays have carried.
 fn sums(called: &Called) -> Constants {
-    if called.is_lossy() { Constants::NONE.with("LOSSY", true) } else { Constants::NONE }
+    let lossy = if called.is_lossy() { Constants::NONE.with("LOSSY", true) } else { Constants::NONE };
+    if called.textures { lossy.with("TEXTURES", true).with("FLATLAND", called.flatland) } else { lossy }
 }
 
 /// Every kernel with every text and every set of constants that it may have.
@@ -74,15 +77,23 @@ pub fn variants() -> Vec<Kernel> {
     // What only direct light knows of.
     let lit = [(true, false, false), (true, true, false), (false, false, true), (true, true, true)];
     let lit = lit.map(|(environment, environment_map, lights)| Called { environment, environment_map, lights, ..none });
-    let lit = lit.into_iter().chain([Called { flatland: true, environment: true, ..none }]);
-    let lit = lit.map(|called| direct::KERNEL.with(constants(&called)));
+    let flat = Called { flatland: true, environment: true, ..none };
+    // All effects of light and of surfaces at once.
+    let all = Called { mirrors: true, sigma: 0.5, textures: true, cutouts: true, ..lit[3] };
+    let lit = lit.into_iter().chain([flat, all]).map(|called| direct::KERNEL.with(constants(&called)));
     let spaces = each.into_iter().flat_map(|flatland| each.map(|occlusion| (flatland, occlusion)));
     let ways = [(false, 0.0), (true, 0.0), (false, 0.5), (true, 0.5)];
     let call = |(flatland, occlusion)| ways.map(move |(mirrors, sigma)| Called { flatland, occlusion, mirrors, sigma, ..none });
-    let calls = spaces.flat_map(call);
+    // Maps in one space are enough: they know of no other.
+    let maps = [(true, false), (false, true), (true, true)];
+    let maps = maps.map(|(textures, cutouts)| Called { textures, cutouts, ..none });
+    let lossy = maps.map(|called| Called { mirrors: true, sigma: 0.5, ..called });
+    let calls = spaces.flat_map(call).chain(maps).chain(lossy);
     let spatial = || SPATIAL.iter().copied().chain([kernel::KERNEL]);
     let spatial = calls.flat_map(|called| spatial().map(move |k| k.with(constants(&called))));
-    let summing = [Constants::NONE, Constants::NONE.with("LOSSY", true)].into_iter();
+    let carried = |(flatland, mirrors, textures)| sums(&Called { flatland, mirrors, textures, ..none });
+    let summing = [(false, false, false), (false, true, false), (false, false, true), (true, false, true), (false, true, true)];
+    let summing = summing.map(carried).into_iter();
     let summing = summing.flat_map(|constants| SUMS.iter().map(move |k| k.with(constants)));
     let grey = [jacobi::BETA, jacobi::UPDATE].map(|k| k.grey(true));
     let all = KERNELS.iter().copied().chain(grey).chain(summing).chain(spatial).chain(lit);
@@ -134,6 +145,8 @@ pub struct SceneBuffers {
     pub(crate) surfaceless: Surfaceless,
     /// Triangle of each tile.
     pub tile_tri: GpuVec<u32>,
+    /// Maps of the triangles, where there are any.
+    texels: Option<Records<[u32; 4]>>,
     /// What sets the shaders to what it calls for.
     constants: Constants,
     /// The same of kernels that sum what rays have carried.
@@ -157,6 +170,7 @@ impl SceneBuffers {
             emitter_density: geometry.emitter_density,
             surfaceless: Surfaceless::new(gpu, geometry)?,
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
+            texels: (!geometry.texels.is_empty()).then(|| Records::page(gpu, "texels", &geometry.texels)).transpose()?,
             constants: constants(&Called::by(geometry)),
             sums: sums(&Called::by(geometry)),
             paged,
@@ -168,9 +182,14 @@ impl SceneBuffers {
         self.reader(kernel).with(self.constants)
     }
 
-    /// A kernel that sums what rays have carried, set to this scene's losses and size.
+    /// A kernel that sums what rays have carried, set to this scene's losses, maps and size.
     fn summing(&self, kernel: Kernel) -> Kernel {
         self.reader(kernel).with(self.sums)
+    }
+
+    /// The texels of its maps.
+    fn texels(&self) -> Bound {
+        self.texels.as_ref().map_or(Bound::Absent, Records::bound)
     }
 
     /// A kernel that reads triangles, set to this scene's size.

@@ -2,7 +2,7 @@
 //! so that a dark room beside a lit one stays exactly dark.
 
 use crate::disjoint::Disjoint;
-use crate::layout::{NONE, Node, Point, Psi, kind};
+use crate::layout::{Material, NONE, Node, Point, Psi, kind};
 use crate::scene::{Geometry, power_of_two_for};
 use crate::twin::jacobi::System;
 use std::collections::HashMap;
@@ -130,13 +130,18 @@ impl Splitter {
     }
 }
 
-/// The brightest source of light that rays bring to each node, before any reflection.
-pub struct Peaks(Vec<f32>);
+/// What rays tell of the nodes before any reflection: the brightest source of light that they bring to each and, where
+/// textures make it vary, the mean reflectance around each.
+pub struct Peaks {
+    most: Vec<f32>,
+    /// Sums of w psi rho, a band each, and of w psi, over the emitter ends of all rays; empty where no reflectance varies.
+    rho: Vec<[f64; 4]>,
+}
 
 impl Peaks {
     /// Nothing yet.
     pub fn new(nodes: usize) -> Peaks {
-        Peaks(vec![0.0; nodes])
+        Peaks { most: vec![0.0; nodes], rho: Vec::new() }
     }
 
     /// Takes in a batch: rho D of the emitter ends, `direct` being each point's D, or E where it is `None`.
@@ -146,10 +151,34 @@ impl Peaks {
             let sent = direct.map_or(m.emit, |direct| [0, 1, 2].map(|k| m.rho[k] * direct[d ^ 1][k]));
             let most = sent.iter().fold(0.0, |a: f32, &b| a.max(b));
             for k in (0..4).filter(|&k| psi[d].weight[k] > 0.0) {
-                let peak = &mut self.0[psi[d].node[k] as usize];
+                let peak = &mut self.most[psi[d].node[k] as usize];
                 *peak = peak.max(most);
             }
+            if geometry.textured {
+                self.rho.resize(self.most.len(), [0.0; 4]);
+                // What of a ray arrives is what it counts.
+                let share = if geometry.is_lossy() { points[d | 1].density } else { 1.0 };
+                let at = &psi[d ^ 1];
+                for k in (0..4).filter(|&k| at.weight[k] > 0.0) {
+                    let (w, sum) = (f64::from(points[d].weight * share * at.weight[k]), &mut self.rho[at.node[k] as usize]);
+                    for band in 0..3 {
+                        sum[band] += w * f64::from(m.rho[band]);
+                    }
+                    sum[3] += w;
+                }
+            }
         }
+    }
+
+    /// A material for each node, with the reflectance that rays have met around it: what the cells' rays reflect, filtered over
+    /// their footprint. Empty where no reflectance varies.
+    pub fn materials(&self, geometry: &Geometry, nodes: &[Node]) -> Vec<Material> {
+        let of = |(sum, node): (&[f64; 4], &Node)| {
+            let m = geometry.materials[node.material as usize];
+            let rho = if sum[3] > 0.0 { [0, 1, 2].map(|k| (sum[k] / sum[3]) as f32) } else { m.rho };
+            Material { rho, ..m }
+        };
+        self.rho.iter().zip(nodes).map(of).collect()
     }
 
     /// Sets the nodes' gains, one for each component: the power of two that brings its brightest light near 1. A room of
@@ -158,9 +187,9 @@ impl Peaks {
         let count = rooms.iter().max().map_or(0, |&m| m as usize + 1);
         let mut most = vec![(0.0f64, 0.0f64); count];
         for (i, &room) in rooms.iter().enumerate() {
-            let rho = geometry.materials[nodes[i].material as usize].rho.iter().fold(0.0, |a: f32, &b| a.max(b));
+            let rho = geometry.most_rho[nodes[i].material as usize];
             let (peak, reflectance) = &mut most[room as usize];
-            *peak = peak.max(f64::from(self.0[i]));
+            *peak = peak.max(f64::from(self.most[i]));
             *reflectance = reflectance.max(f64::from(rho));
         }
         for (node, &room) in nodes.iter_mut().zip(rooms) {

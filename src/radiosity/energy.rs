@@ -29,9 +29,9 @@ const LOOK: Samples = Samples { emitter: 3, cosine: 1 };
 pub fn emitted(geometry: &Geometry) -> [f64; 3] {
     let mut emitted = [0.0; 3];
     for e in &geometry.emitters {
-        let m = geometry.material_of(e.tri as usize);
+        let emit = geometry.mean_emission(e.tri as usize);
         for k in 0..3 {
-            emitted[k] += m.emit[k] as f64 * geometry.areas[e.tri as usize];
+            emitted[k] += emit[k] * geometry.areas[e.tri as usize];
         }
     }
     emitted
@@ -112,8 +112,7 @@ pub fn account<E: Engine>(
     if all > 0.0 {
         let mut shine = vec![0.0; geometry.tiles as usize];
         for t in 0..shine.len() {
-            let m = geometry.material_of(geometry.tile_tri[t] as usize);
-            shine[t] = mean(&m.emit.map(f64::from)) / all;
+            shine[t] = mean(&geometry.mean_emission(geometry.tile_tri[t] as usize)) / all;
         }
         let rays = EMISSION_RAYS.min(SHARE * params.rays);
         let batch = engine.emit(&distribution(geometry, &shine), seed, 0, rays, rays)?;

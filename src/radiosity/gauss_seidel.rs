@@ -48,7 +48,7 @@ impl GaussSeidel<'_> {
     }
 
     fn rho(&self, node: usize) -> DVec3 {
-        wide(self.materials[self.system.planes[node].material as usize].rho)
+        wide(self.system.rho(self.materials, node))
     }
 
     /// `sweeps` sweeps over all nodes in order, from `light`; sums in f64. What a node sends to itself is a sweep old.

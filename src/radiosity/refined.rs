@@ -88,8 +88,7 @@ pub fn measure<E: Engine>(engine: &mut E, nodes: usize, progress: &mut Progress)
 
 /// One sweep in f64.
 pub fn sweep(system: &System, materials: &[Material], light: &[Light]) -> Vec<Light> {
-    let rho: Vec<DVec3> =
-        system.planes.iter().map(|p| DVec3::from_array(materials[p.material as usize].rho.map(f64::from))).collect();
+    let rho: Vec<DVec3> = (0..system.planes.len()).map(|j| DVec3::from_array(system.rho(materials, j).map(f64::from))).collect();
     let beta: Vec<DVec3> = (0..system.source.len())
         .into_par_iter()
         .map(|c| {

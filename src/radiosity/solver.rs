@@ -210,7 +210,7 @@ fn series(
 
 /// The error of a light that grows, by the brightest of some materials.
 fn grows(factor: f64, geometry: &Geometry, materials: impl Iterator<Item = usize>, scene: &Scene) -> Error {
-    let most = |m: usize| geometry.materials[m].rho.iter().fold(0.0f64, |most, &r| most.max(r.into()));
+    let most = |m: usize| f64::from(geometry.most_rho[m]);
     // The first of several.
     let best = materials.map(|m| (most(m), m)).fold((0.0, 0), |best, one| if one.0 > best.0 { one } else { best });
     let material = scene.materials.get(best.1).map_or(String::new(), |m| m.name.clone());

@@ -226,6 +226,12 @@ fn cannot(from: &Solution, scene: &Scene, baked: &Baked, linear: bool) -> Option
     if from.nodes().is_empty() || from.system().source.is_empty() {
         return Some("nothing reflected light in the bake, and there is no network");
     }
+    let has_maps = |m: u32| scene.materials[m as usize].maps().iter().any(Option::is_some);
+    if scene.faces.iter().any(|f| has_maps(f.material)) {
+        return Some(
+            "textures: nodes of a scene with maps know one reflectance and emission each, and cells not what varies on them",
+        );
+    }
     let black = |m: u32| {
         let then = baked.materials[baked.of[m as usize] as usize].reflectance;
         then == [0.0; 3] && scene.materials[m as usize].reflectance != [0.0; 3]

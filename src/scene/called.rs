@@ -23,6 +23,10 @@ pub struct Called {
     pub mirrors: bool,
     /// What a medium absorbs on a local length; 0: there is none.
     pub sigma: f32,
+    /// Reflectance or emission varies over a surface.
+    pub textures: bool,
+    /// Something is cut out of a surface.
+    pub cutouts: bool,
 }
 
 /// Whether the bands are one.
@@ -38,10 +42,22 @@ impl Called {
         let map = around.and_then(|e| e.map.as_ref());
         let mirror = |face: &Face| scene.materials.get(face.material as usize).is_some_and(|m| m.mirror > 0.0);
         let scale = if scene.absorption > 0.0 { frame(scene).map_or(1.0, |(_, scale)| scale) } else { 1.0 };
+        // Where faces have no texture coordinates maps are not looked at.
+        let mapped: Vec<[bool; 3]> = scene.materials.iter().map(|m| m.maps().map(|map| map.is_some())).collect();
+        let (mut textures, mut cutouts) = (false, false);
+        for i in 0..scene.face_uvs.len().min(scene.faces.len()) {
+            if let Some([rho, emit, alpha]) = mapped.get(scene.faces[i].material as usize)
+                && scene.uv(i).is_some()
+            {
+                textures |= *rho || *emit;
+                cutouts |= *alpha;
+            }
+        }
         Called {
             flatland: scene.is_flatland(),
             occlusion: scene.effects.asked(Name::Occlusion).unwrap_or_else(|| obstacle(scene) != Obstacle::None),
             grey: scene.materials.iter().all(|m| equal(m.reflectance) && equal(m.emission))
+                && scene.has_grey_maps()
                 && scene.lights.iter().all(|l| equal(l.intensity))
                 && around.is_none_or(|e| equal(e.radiance))
                 && map.is_none_or(|m| m.rgb.iter().all(|&c| equal(c))),
@@ -50,6 +66,8 @@ impl Called {
             lights: !scene.lights.is_empty(),
             mirrors: scene.faces.iter().any(mirror),
             sigma: (scene.absorption / scale) as f32,
+            textures,
+            cutouts,
         }
     }
 
@@ -59,6 +77,7 @@ impl Called {
             flatland: geometry.flatland,
             occlusion: geometry.occludes,
             grey: geometry.materials.iter().all(|m| equal(m.rho) && equal(m.emit))
+                && geometry.grey_maps
                 && geometry.lights.all.iter().all(|l| equal(l.value))
                 && geometry.sky.is_grey(),
             environment: !geometry.sky.is_empty(),
@@ -66,6 +85,8 @@ impl Called {
             lights: !geometry.lights.is_empty(),
             mirrors: geometry.mirrors,
             sigma: geometry.sigma,
+            textures: geometry.textured,
+            cutouts: geometry.cut,
         }
     }
 

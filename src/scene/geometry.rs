@@ -1,7 +1,7 @@
 //! The scene as the passes see it: recentred and scaled in f64, then f32; hierarchy, planar pieces,
 //! start tiles and emitters.
 
-use super::{Lights, Obstacle, Scene, Sky, cumulative, hierarchy, obstacle, sky};
+use super::{Lights, Map, Obstacle, Scene, Sky, atlas, cumulative, hierarchy, obstacle, sky};
 use crate::disjoint::Disjoint;
 use crate::effects::Name;
 use crate::error::{Error, Result};
@@ -10,6 +10,7 @@ use crate::layout::{BvhNode, Emitter, Material, NONE, Point, TWIN, Tri};
 use crate::network::groups::{self, Groups};
 use crate::params::{Direct, Method, Mode, Norm, Params};
 use crate::twin::direct::near2;
+use crate::twin::texture::{self, EMIT, MASK, RECORD};
 use glam::Vec3;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -58,10 +59,24 @@ pub struct Geometry {
     pub source: Vec<u32>,
     /// Area of each triangle, local, f64.
     pub areas: Vec<f64>,
-    /// Materials.
+    /// Materials; of those with maps the mean, which tells where to look.
     pub materials: Vec<Material>,
+    /// Largest reflectance of each material, its maps' texels looked at one by one.
+    pub most_rho: Vec<f32>,
+    /// Maps of all triangles, six texels each, and their images ([`crate::twin::texture`]); empty where there are none.
+    pub texels: Vec<[u32; 4]>,
+    /// Where the images of reflectance end.
+    pub rho_end: usize,
+    /// Whether reflectance or emission varies over any triangle.
+    pub textured: bool,
+    /// Whether anything is cut out of any triangle.
+    pub cut: bool,
+    /// Whether all maps of reflectance and emission are grey.
+    pub grey_maps: bool,
     /// Emitting triangles with their cumulative distribution; empty where nothing emits.
     pub emitters: Vec<Emitter>,
+    /// Mean emission of each emitter over its area; empty where that is its material's.
+    pub emitted: Vec<[f64; 3]>,
     /// Sampling density of an emitter per unit of its summed emission, per local area.
     pub emitter_density: f32,
     /// Light from where no surface is.
@@ -176,8 +191,14 @@ impl Geometry {
         }
         geometry.arrives = params.norm.share();
         if params.norm != Norm::Lambert {
+            let less = |rho: f32| (rho as f64 * geometry.arrives) as f32;
             for m in &mut geometry.materials {
-                m.rho = m.rho.map(|rho| (rho as f64 * geometry.arrives) as f32);
+                m.rho = m.rho.map(less);
+            }
+            geometry.most_rho.iter_mut().for_each(|rho| *rho = less(*rho));
+            let first = RECORD * geometry.tris.len();
+            for texel in geometry.texels.get_mut(first..geometry.rho_end).unwrap_or_default() {
+                *texel = texel.map(|x| less(f32::from_bits(x)).to_bits());
             }
         }
         Ok(geometry)
@@ -234,16 +255,32 @@ impl Geometry {
         let (nodes, order) = hierarchy::build(&boxes);
 
         // Materials, with the emission brought near 1.
-        let brightest = scene.materials.iter().flat_map(|m| m.emission).fold(0.0, f64::max) * std::f64::consts::PI;
+        let most_of = |map: Option<Map>| map.map_or([1.0f32; 3], |m| scene.textures[m.texture as usize].most());
+        let shining = |m: &crate::scene::Material| {
+            let texel = most_of(m.emission_map);
+            [0, 1, 2].map(|k| m.emission[k] * f64::from(texel[k]))
+        };
+        let brightest = scene.materials.iter().flat_map(shining).fold(0.0, f64::max) * std::f64::consts::PI;
         let brightest = brightest.max(sky::radiosity(scene, scale));
         let emission_scale = if brightest > 0.0 { power_of_two_for(brightest) } else { 1.0 };
         let materials: Vec<Material> = scene
             .materials
             .iter()
             .map(|m| Material {
-                rho: if m.mirror > 0.0 { [0.0; 3] } else { m.reflectance.map(|x| x as f32) },
-                emit: m.emission.map(|x| (x * std::f64::consts::PI * emission_scale) as f32),
+                rho: match m.mirror > 0.0 {
+                    true => [0.0; 3],
+                    false => atlas::mean(m.reflectance, m.reflectance_map, &scene.textures).map(|x| x as f32),
+                },
+                emit: atlas::mean(m.emission, m.emission_map, &scene.textures)
+                    .map(|x| (x * std::f64::consts::PI * emission_scale) as f32),
                 ..Material::default()
+            })
+            .collect();
+        let most_rho = (scene.materials.iter().zip(&materials))
+            .map(|(m, mean)| match mean.rho {
+                // Also of mirrors.
+                [0.0, 0.0, 0.0] => 0.0,
+                _ => (0..3).fold(0.0, |a: f32, k| a.max(m.reflectance[k] as f32 * most_of(m.reflectance_map)[k])),
             })
             .collect();
         let live = |m: u32| {
@@ -289,26 +326,7 @@ impl Geometry {
             areas.push(tri_area);
         }
 
-        // Emitters are picked by power; a triangle's density is its share over its area.
-        let power = |t: usize| {
-            let e = materials[tris[t].material as usize].emit;
-            areas[t] * (e[0] + e[1] + e[2]) as f64
-        };
-        let shining: Vec<usize> = (0..tris.len()).filter(|&t| power(t) > 0.0).collect();
-        let powers: Vec<f64> = shining.iter().map(|&t| power(t)).collect();
-        let all: f64 = powers.iter().sum();
-        let emitters: Vec<Emitter> = cumulative(&powers)
-            .into_iter()
-            .zip(&shining)
-            .zip(&powers)
-            .map(|((cdf, &t), p)| {
-                let density = p / all / areas[t];
-                let corner = |v: [f32; 3]| (Vec3::from(v) - Vec3::from(tris[t].v0)).length() as f64;
-                let longest = corner(tris[t].v1).max(corner(tris[t].v2));
-                Emitter { tri: t as u32, cdf, density: density as f32, near2: near2(flatland, longest, density) }
-            })
-            .collect();
-
+        let atlas = atlas::pack(scene, &tris, &source, &areas, area.max(1e-3 * total), emission_scale)?;
         let lit = area.max(1e-3 * total);
         let mut geometry = Geometry {
             flatland,
@@ -325,8 +343,15 @@ impl Geometry {
             source,
             areas,
             materials,
-            emitters,
-            emitter_density: if all > 0.0 { (1.0 / all) as f32 } else { 0.0 },
+            most_rho,
+            texels: atlas.texels,
+            rho_end: atlas.rho_end,
+            textured: atlas.textured,
+            cut: atlas.cut,
+            grey_maps: scene.has_grey_maps(),
+            emitters: Vec::new(),
+            emitted: Vec::new(),
+            emitter_density: 0.0,
             sky: Sky::new(scene.environment.as_ref(), emission_scale),
             lights: Lights::new(&scene.lights, center, scale, emission_scale),
             tiles: tile_tri.len() as u32,
@@ -339,7 +364,71 @@ impl Geometry {
             duplicate,
         };
         geometry.groups = groups::groups(&geometry).map(Arc::new);
+        geometry.find_emitters();
         Ok(geometry)
+    }
+
+    /// Finds the emitters. They are picked by power; a triangle's density is its share over its area.
+    fn find_emitters(&mut self) {
+        let (tris, areas) = (&self.tris, &self.areas);
+        let varied = |t: usize| texture::has(self, t as u32, EMIT) || texture::has(self, t as u32, MASK);
+        let means: NumberMap<u32, [f64; 3]> = (0..tris.len())
+            .filter(|&t| varied(t) && self.material_of(t).emit != [0.0; 3])
+            .map(|t| (t as u32, texture::mean_emission(self, t as u32)))
+            .collect();
+        let power = |t: usize| match means.get(&(t as u32)) {
+            Some(mean) => areas[t] * mean.iter().sum::<f64>(),
+            None => {
+                let e = self.material_of(t).emit;
+                areas[t] * (e[0] + e[1] + e[2]) as f64
+            }
+        };
+        let shining: Vec<usize> = (0..tris.len()).filter(|&t| power(t) > 0.0).collect();
+        let powers: Vec<f64> = shining.iter().map(|&t| power(t)).collect();
+        let all: f64 = powers.iter().sum();
+        let emitters = cumulative(&powers)
+            .into_iter()
+            .zip(&shining)
+            .zip(&powers)
+            .map(|((cdf, &t), p)| {
+                let density = p / all / areas[t];
+                let corner = |v: [f32; 3]| (Vec3::from(v) - Vec3::from(tris[t].v0)).length() as f64;
+                let longest = corner(tris[t].v1).max(corner(tris[t].v2));
+                Emitter { tri: t as u32, cdf, density: density as f32, near2: near2(self.flatland, longest, density) }
+            })
+            .collect();
+        let mean = |&t: &usize| means.get(&(t as u32)).copied().unwrap_or(self.material_of(t).emit.map(f64::from));
+        let emitted = if means.is_empty() { Vec::new() } else { shining.iter().map(mean).collect() };
+        let density = if all > 0.0 { (1.0 / all) as f32 } else { 0.0 };
+        (self.emitters, self.emitted, self.emitter_density) = (emitters, emitted, density);
+    }
+
+    /// Mean emission of a triangle over all of its area, scaled; what is cut out of it is dark.
+    pub fn mean_emission(&self, tri: usize) -> [f64; 3] {
+        if self.emitted.is_empty() {
+            return self.material_of(tri).emit.map(f64::from);
+        }
+        let found = self.emitters.binary_search_by_key(&(tri as u32), |e| e.tri);
+        found.map_or([0.0; 3], |e| self.emitted[e])
+    }
+
+    /// Reflectance and emitted radiance of a triangle at a place, as a read-out shows them: with the scene's own texels.
+    pub(crate) fn shown(&self, scene: &Scene, tri: u32, p: Vec3) -> ([f64; 3], [f64; 3]) {
+        let m = &scene.materials[self.tris[tri as usize].material as usize];
+        if m.reflectance_map.is_none() && m.emission_map.is_none() {
+            return (m.reflectance, m.emission);
+        }
+        let (b1, b2) = texture::shares(self.flatland, &self.tris[tri as usize], p);
+        scene.shown(self.source[tri as usize] as usize, b1.into(), b2.into())
+    }
+
+    /// Whether a surface point is there: not cut out.
+    pub fn is_there(&self, point: &Point) -> bool {
+        if !self.cut {
+            return true;
+        }
+        let (b1, b2) = texture::shares(self.flatland, &self.tris[point.tri as usize], Vec3::from(point.p));
+        texture::is_there(self, point.tri, b1, b2)
     }
 
     /// Area of a tile, local.
@@ -401,9 +490,15 @@ impl Geometry {
         &self.materials[self.tris[tri].material as usize]
     }
 
-    /// The material at a surface point.
-    pub fn material_at(&self, point: &Point) -> &Material {
-        self.material_of(point.tri as usize)
+    /// What a surface reflects and emits at a point.
+    pub fn material_at(&self, point: &Point) -> Material {
+        let m = *self.material_of(point.tri as usize);
+        if !self.textured {
+            return m;
+        }
+        let (b1, b2) = texture::shares(self.flatland, &self.tris[point.tri as usize], Vec3::from(point.p));
+        let [rho, emit] = [texture::rho, texture::emit].map(|of| of(self, point.tri, b1, b2).to_array());
+        Material { rho, emit, ..m }
     }
 
     /// Longest side of the bounding box, metres.

@@ -132,6 +132,10 @@ fn read_from(
         Kind::Gltf => gltf::read(path, &mut reader)?,
         Kind::Toml => toml::read(path, &mut reader)?,
     };
+    if !scene.materials.iter().any(|m| m.maps().iter().any(Option::is_some)) {
+        // Coordinates of no map.
+        (scene.textures, scene.uvs, scene.face_uvs) = Default::default();
+    }
     place(&mut scene, options.unit, options.up);
     if options.two_sided {
         sides::mirror(&mut scene, |_| true);

@@ -8,6 +8,7 @@ use super::load::Reader;
 use super::mtl::Library;
 use super::polygon::{Cut, cut};
 use super::text::{Statements, bad, decode, name, split, words};
+use super::texture::check_uv;
 use super::unread::Unread;
 use super::{Face, Scene, fits};
 use crate::error::{Error, Result};
@@ -50,8 +51,9 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                 }
                 scene.vertices.push(value);
             }
+            ("vt", rest) => scene.uvs.push(coordinate(rest)),
             ("mtllib", rest) => library.load(path, line, name(rest), reader, &mut scene.warnings)?,
-            ("f" | "o" | "g" | "usemtl" | "vt" | "vn" | "s", _) => {}
+            ("f" | "o" | "g" | "usemtl" | "vn" | "s", _) => {}
             ("fo", _) => unread.add("fo", format_args!("line {line}")),
             (key, _) if key.is_empty() || key.starts_with('#') => {}
             (key, _) => unread.add(key, format_args!("line {line}")),
@@ -60,22 +62,26 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
 
     // Faces, under the names that hold where they stand.
     let count = scene.vertices.len();
-    let mut seen = 0i64; // vertices so far, for relative indices
+    let (mut seen, mut seen_uvs) = (0i64, 0i64); // vertices and coordinates so far, for relative indices
     let mut names = Names::default();
     let (mut object, mut material) = (None, None);
-    let (mut thin, mut crossing) = (Unread::default(), Unread::default());
-    let mut corners: Vec<u32> = Vec::new();
+    let (mut thin, mut crossing, mut bare) = (Unread::default(), Unread::default(), Unread::default());
+    let (mut corners, mut uvs): (Vec<u32>, Vec<u32>) = Default::default();
     let mut lines = Statements::new(&text);
     while let Some((line, statement)) = lines.next() {
         tell(reader, text.len() + lines.at)?;
         match split(&statement) {
             ("v", _) => seen += 1,
+            ("vt", _) => seen_uvs += 1,
             ("o" | "g", rest) => (object, names.object) = (None, name(rest).into()),
             ("usemtl", rest) => (material, names.material) = (None, name(rest).into()),
             ("f", rest) => {
                 corners.clear();
+                uvs.clear();
+                let mut lost = None;
                 for word in words(rest) {
-                    let index: i64 = (word.split('/').next())
+                    let mut parts = word.split('/');
+                    let index: i64 = (parts.next())
                         .and_then(|w| w.parse().ok())
                         .ok_or_else(|| bad(path, line, &statement, "vertex numbers"))?;
                     let from_0 = if index < 0 { seen.saturating_add(index) } else { index - 1 };
@@ -83,6 +89,14 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                         return Err(Error::IndexOutOfRange { place: place(line), index, count });
                     }
                     corners.push(from_0 as u32);
+                    // Of a material without a map they may be anything.
+                    if let Some(index) = parts.next().and_then(|w| w.parse::<i64>().ok()) {
+                        let from_0 = if index < 0 { seen_uvs.saturating_add(index) } else { index - 1 };
+                        match (0..scene.uvs.len() as i64).contains(&from_0) {
+                            true => uvs.push(from_0 as u32),
+                            false => lost = Some(index),
+                        }
+                    }
                 }
                 if corners.len() < 3 {
                     thin.add("faces with fewer than three corners", format_args!("line {line}"));
@@ -91,10 +105,31 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
                 let object = *object.get_or_insert_with(|| names.object(&mut scene));
                 let material = match material {
                     Some(m) => m,
-                    None => *material.insert(names.material(&mut scene, &library, path, line, overridden)),
+                    None => *material.insert(names.material(&mut scene, &mut library, path, line, overridden, reader)),
                 };
+                let m = &scene.materials[material as usize];
+                if m.maps().iter().any(Option::is_some) {
+                    if let Some(index) = lost {
+                        let place = format!("{}, texture coordinate", place(line));
+                        return Err(Error::IndexOutOfRange { place, index, count: scene.uvs.len() });
+                    }
+                    for &i in &uvs {
+                        check_uv(&scene.uvs[i as usize], || format!("{}, texture coordinate {i}", place(line)))?;
+                    }
+                    if uvs.len() < corners.len() {
+                        bare.add(&format!("faces of '{}' without texture coordinates (vt)", m.name), format_args!("line {line}"));
+                    }
+                }
+                let from = scene.faces.len();
+                let mut cuts = Vec::new();
                 let Scene { vertices, faces, .. } = &mut scene;
-                let shape = cut(&corners, vertices, |t| faces.push(Face { vertices: t.map(|i| corners[i]), material, object }));
+                let shape = cut(&corners, vertices, |t| {
+                    faces.push(Face { vertices: t.map(|i| corners[i]), material, object });
+                    cuts.push(t);
+                });
+                if uvs.len() == corners.len() {
+                    cuts.into_iter().enumerate().for_each(|(i, t)| scene.set_uv(from + i, t.map(|c| uvs[c])));
+                }
                 if shape == Cut::Overlapping {
                     let object = &scene.objects[object as usize];
                     crossing.add(&format!("polygons of '{object}' that cross themselves"), format_args!("line {line}"));
@@ -106,6 +141,7 @@ pub fn read(path: &Path, reader: &mut Reader, overridden: &[String]) -> Result<S
     unread.warn(path, &mut scene.warnings);
     thin.warn(path, &mut scene.warnings);
     crossing.warn_as(path, "cut into triangles that overlap", "triangulate on export", &mut scene.warnings);
+    bare.warn_as(path, "given the mean of their map, and nothing cut out", "unwrap them in the modeller", &mut scene.warnings);
     Ok(scene)
 }
 
@@ -127,12 +163,20 @@ impl Names {
         })
     }
 
-    fn material(&mut self, scene: &mut Scene, library: &Library, path: &Path, line: usize, overridden: &[String]) -> u32 {
+    fn material(
+        &mut self,
+        scene: &mut Scene,
+        library: &mut Library,
+        path: &Path,
+        line: usize,
+        overridden: &[String],
+        reader: &mut Reader,
+    ) -> u32 {
         if let Some(&known) = self.materials.get(&self.material) {
             return known;
         }
         let name = (!self.material.is_empty()).then_some(self.material.as_str());
-        let (material, place) = library.resolve(name, path, line, overridden, &mut scene.warnings);
+        let (material, place) = library.resolve(name, path, line, overridden, reader, scene);
         scene.materials.push(material);
         scene.material_places.push(place);
         let index = scene.materials.len() as u32 - 1;
@@ -147,6 +191,13 @@ fn position(rest: &str) -> Option<[f64; 3]> {
     let mut next = || numbers.next()?.ok();
     let v = [next()?, next()?, next()?];
     numbers.all(|n| n.is_ok()).then_some(v)
+}
+
+/// The first two numbers of a `vt`, v turned to point down as an image's rows do; of a single one v is 0. What is no number
+/// is refused where a scene has maps.
+fn coordinate(rest: &str) -> [f64; 2] {
+    let mut numbers = words(rest).map(|w| w.parse().unwrap_or(f64::NAN));
+    [numbers.next().unwrap_or(f64::NAN), 1.0 - numbers.next().unwrap_or(0.0)]
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ pub fn mirror(scene: &mut Scene, wanted: impl Fn(&Face) -> bool) {
 
 /// As [`mirror`], of the faces in a range, among which twins are looked for.
 pub fn mirror_range(scene: &mut Scene, range: Range<usize>, wanted: impl Fn(&Face) -> bool) {
+    let first = range.start;
     let faces = &scene.faces[range];
     if !faces.iter().any(&wanted) {
         return;
@@ -25,6 +26,12 @@ pub fn mirror_range(scene: &mut Scene, range: Range<usize>, wanted: impl Fn(&Fac
     let there: HashSet<[u32; 3]> = faces.iter().map(|f| key(f.vertices)).collect();
     let turned = |[a, b, c]: [u32; 3]| if b == c { [b, a, a] } else { [a, c, b] };
     let twin = |f: &Face| Face { vertices: turned(f.vertices), ..*f };
-    let twins: Vec<Face> = faces.iter().filter(|f| wanted(f)).map(twin).filter(|f| !there.contains(&key(f.vertices))).collect();
-    scene.faces.extend(twins);
+    let lacks = |(_, f): &(usize, &Face)| wanted(f) && !there.contains(&key(twin(f).vertices));
+    let twins: Vec<(usize, Face)> = faces.iter().enumerate().filter(lacks).map(|(i, f)| (first + i, twin(f))).collect();
+    for (of, twin) in twins {
+        if let Some(&[a, b, c]) = scene.face_uvs.get(of) {
+            scene.set_uv(scene.faces.len(), [a, c, b]);
+        }
+        scene.faces.push(twin);
+    }
 }

@@ -36,6 +36,9 @@ pub fn apply(scene: &mut Scene, from: From, matrix: DMat4) {
         for Face { vertices, .. } in &mut scene.faces[from.faces..] {
             vertices.swap(1, 2);
         }
+        for corners in scene.face_uvs.iter_mut().skip(from.faces) {
+            corners.swap(1, 2);
+        }
     }
     for View { camera, .. } in &mut scene.cameras[from.cameras..] {
         for point in [&mut camera.eye, &mut camera.target] {

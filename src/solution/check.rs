@@ -1,7 +1,7 @@
 //! Whether the parts of a network that was read fit each other and the scene, so that no pass can read
 //! outside of them or make a NaN of them. Each check names the first thing wrong.
 
-use crate::layout::{Link, Node, NodeLight, Plane, TWIN};
+use crate::layout::{Link, Material, Node, NodeLight, Plane, TWIN};
 use crate::scene::Geometry;
 use crate::twin::jacobi::System;
 
@@ -46,6 +46,10 @@ pub(crate) fn system(geometry: &Geometry, system: &System, nodes: usize) -> Chec
     light(&system.node_source, nodes)?;
     if !finite(system.source.as_flattened()) {
         return Err("section 'source' holds a number that is not finite");
+    }
+    let possible = |m: &Material| m.rho.iter().all(|r| (0.0..1.0).contains(r));
+    if ![0, nodes].contains(&system.materials.len()) || !system.materials.iter().all(possible) {
+        return Err("section 'node_materials' does not fit the nodes");
     }
     let plane = |p: &Plane| (p.material as usize) < geometry.materials.len() && finite(&[p.i11, p.i12, p.i22]);
     if !system.planes.iter().all(plane) {

@@ -9,7 +9,7 @@ use crate::network::nodes::{surface_of, worth_marking};
 use crate::output::rcell::{self, Container, Section};
 use crate::output::report::{EstimatedError, RelitReport, Report, Seconds};
 use crate::params::{Mode, Params};
-use crate::scene::{Environment, Face, Geometry, Light, Material, Scene, SkyMap, Space};
+use crate::scene::{Environment, Face, Geometry, Light, Map, Material, Scene, SkyMap, Space, Texels, Texture};
 use crate::twin::winner::Feature;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -26,6 +26,9 @@ struct Header {
     #[serde(default, skip_serializing_if = "is_zero")]
     absorption: f64,
     materials: Vec<MaterialEntry>,
+    /// Textures, whose texels are sections; in files without them: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    textures: Vec<TextureEntry>,
     objects: Vec<String>,
     /// Effects that were switched by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,6 +60,9 @@ struct MaterialEntry {
     emission: [f64; 3],
     #[serde(default, skip_serializing_if = "is_zero")]
     mirror: f64,
+    /// Of reflectance, emission and alpha.
+    #[serde(default, skip_serializing_if = "Maps::is_empty")]
+    maps: Maps,
 }
 
 /// What is not there is not written.
@@ -66,18 +72,30 @@ fn is_zero(x: &f64) -> bool {
 
 impl MaterialEntry {
     fn all(materials: &[Material]) -> Vec<MaterialEntry> {
-        let entry = |m: &Material| MaterialEntry {
-            name: m.name.clone(),
-            reflectance: m.reflectance,
-            emission: m.emission,
-            mirror: m.mirror,
-        };
-        materials.iter().map(entry).collect()
+        materials.iter().map(material_entry).collect()
     }
 
     fn read(all: Vec<MaterialEntry>) -> Vec<Material> {
-        let read = |m: MaterialEntry| Material { mirror: m.mirror, ..Material::new(&m.name, m.reflectance, m.emission) };
-        all.into_iter().map(read).collect()
+        all.into_iter().map(material).collect()
+    }
+}
+
+/// A material's maps, where it has some.
+#[derive(Default, Serialize, Deserialize)]
+struct Maps {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reflectance: Option<MapEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    emission: Option<MapEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    alpha: Option<MapEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cutoff: Option<f64>,
+}
+
+impl Maps {
+    fn is_empty(&self) -> bool {
+        self.reflectance.is_none() && self.emission.is_none() && self.alpha.is_none()
     }
 }
 
@@ -88,6 +106,65 @@ struct EnvironmentEntry {
     /// Width and height of the map in section 'sky'.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     map: Option<[u32; 2]>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct MapEntry {
+    texture: u32,
+    transform: [[f64; 3]; 2],
+    clamp: [bool; 2],
+}
+
+/// How a texture's texels are stored.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Depth {
+    Srgb,
+    Linear,
+    Float,
+}
+
+#[derive(Serialize, Deserialize)]
+struct TextureEntry {
+    name: String,
+    width: u32,
+    height: u32,
+    depth: Depth,
+}
+
+fn map_entry(map: Map) -> MapEntry {
+    MapEntry { texture: map.texture, transform: map.transform, clamp: map.clamp }
+}
+
+fn map(entry: MapEntry) -> Map {
+    Map { texture: entry.texture, transform: entry.transform, clamp: entry.clamp }
+}
+
+fn material_entry(m: &Material) -> MaterialEntry {
+    let maps = Maps {
+        reflectance: m.reflectance_map.map(map_entry),
+        emission: m.emission_map.map(map_entry),
+        alpha: m.alpha_map.map(map_entry),
+        cutoff: m.alpha_map.map(|_| m.alpha_cutoff),
+    };
+    MaterialEntry { name: m.name.clone(), reflectance: m.reflectance, emission: m.emission, mirror: m.mirror, maps }
+}
+
+fn material(entry: MaterialEntry) -> Material {
+    let plain = Material::new(&entry.name, entry.reflectance, entry.emission);
+    Material {
+        mirror: entry.mirror,
+        reflectance_map: entry.maps.reflectance.map(map),
+        emission_map: entry.maps.emission.map(map),
+        alpha_map: entry.maps.alpha.map(map),
+        alpha_cutoff: entry.maps.cutoff.unwrap_or(plain.alpha_cutoff),
+        ..plain
+    }
+}
+
+/// The name of a texture's section.
+fn section_of(texture: usize) -> String {
+    format!("texture{texture}")
 }
 
 /// What the header says it holds.
@@ -117,6 +194,19 @@ impl Solution {
             },
             absorption: self.scene.absorption,
             materials: MaterialEntry::all(&self.scene.materials),
+            textures: (self.scene.textures.iter())
+                .map(|t| TextureEntry {
+                    // No path: the same bake elsewhere has the same bytes.
+                    name: Path::new(&t.name).file_name().map_or(t.name.clone(), |n| n.to_string_lossy().into_owned()),
+                    width: t.width,
+                    height: t.height,
+                    depth: match t.texels {
+                        Texels::Srgb(_) => Depth::Srgb,
+                        Texels::Linear(_) => Depth::Linear,
+                        Texels::Float(_) => Depth::Float,
+                    },
+                })
+                .collect(),
             objects: self.scene.objects.clone(),
             effects: (self.scene.effects != Switches::default()).then(|| self.scene.effects.to_string()),
             lights: self.scene.lights.clone(),
@@ -145,7 +235,14 @@ impl Solution {
         ];
         let baked = self.baked.as_ref().map(|b| Section::new("baked_light", &b.light));
         let map = self.scene.environment.as_ref().and_then(|e| e.map.as_ref()).map(|m| Section::new("sky", &m.rgb));
-        let more = [baked.as_slice(), map.as_slice()].concat();
+        let names: Vec<String> = (0..self.scene.textures.len()).map(section_of).collect();
+        let texels = self.scene.textures.iter().zip(&names).map(|(t, name)| match &t.texels {
+            Texels::Srgb(t) | Texels::Linear(t) => Section::new(name, t),
+            Texels::Float(t) => Section::new(name, t),
+        });
+        let uvs = [Section::new("uvs", &self.scene.uvs), Section::new("face_uvs", &self.scene.face_uvs)];
+        let uvs = uvs.into_iter().filter(|_| !names.is_empty());
+        let more: Vec<Section> = baked.into_iter().chain(map).chain(uvs).chain(texels).collect();
         rcell::write(path, &header, &[&sections[..], &sections::of(&self.system), &more].concat())
     }
 
@@ -181,6 +278,18 @@ impl Solution {
             vertices: file.get("vertices")?,
             faces: faces.iter().map(|&[a, b, c, material, object]| Face { vertices: [a, b, c], material, object }).collect(),
             materials: MaterialEntry::read(header.materials),
+            uvs: if header.textures.is_empty() { Vec::new() } else { file.get("uvs")? },
+            face_uvs: if header.textures.is_empty() { Vec::new() } else { file.get("face_uvs")? },
+            textures: (header.textures.into_iter().enumerate())
+                .map(|(i, t)| {
+                    let texels = match t.depth {
+                        Depth::Srgb => Texels::Srgb(file.get(&section_of(i))?),
+                        Depth::Linear => Texels::Linear(file.get(&section_of(i))?),
+                        Depth::Float => Texels::Float(file.get(&section_of(i))?),
+                    };
+                    Ok(Texture { name: t.name, width: t.width, height: t.height, texels })
+                })
+                .collect::<Result<_>>()?,
             objects: header.objects,
             effects: header.effects.as_deref().unwrap_or("auto").parse().map_err(|e| fail(format!("its effects: {e}")))?,
             lights: header.lights,

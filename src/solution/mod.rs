@@ -248,10 +248,10 @@ impl Solution {
         if self.geometry.tris[point.tri as usize].mirror() > 0.0 {
             return nothing(Status::Mirror);
         }
-        let m = &self.scene.materials[self.geometry.tris[point.tri as usize].material as usize];
+        let (reflectance, emission) = self.geometry.shown(&self.scene, point.tri, Vec3::from(point.p));
         let unscale = self.geometry.arrives / self.geometry.emission_scale;
         let h = shade.irradiance.map(|x| x * unscale);
-        let b = [0, 1, 2].map(|k| std::f64::consts::PI * m.emission[k] + m.reflectance[k] * h[k]);
+        let b = [0, 1, 2].map(|k| std::f64::consts::PI * emission[k] + reflectance[k] * h[k]);
         if !b.iter().chain(&h).all(|x| x.is_finite()) {
             return Err(Error::NotFinite { what: what() });
         }

@@ -9,6 +9,7 @@
 use super::lights::surfaceless;
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
 use super::sobol::sobol4;
+use super::texture;
 use super::trace::{Hit, place_on, position, segment_blocked};
 use super::way::{Way, between, follow};
 use crate::layout::{DirectSum, NONE, Point, kind};
@@ -90,9 +91,9 @@ fn unshadowed(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: S
     let (b1, b2) = place_on(geometry.flatland, place, unit(v));
     let x = position(geometry.flatland, there, b1, b2);
     let g = kernel_g(geometry.flatland, x, Vec3::from(there.normal), p, Vec3::from(here.normal));
-    if g > 0.0 && there.plane != here.plane {
+    if g > 0.0 && there.plane != here.plane && texture::is_there(geometry, emitter.tri, b1, b2) {
         let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
-        let light = Vec3::from(geometry.materials[there.material as usize].emit) * (g / (ne * emitter.density + nc * g));
+        let light = texture::emit(geometry, emitter.tri, b1, b2) * (g / (ne * emitter.density + nc * g));
         return Some(Lit { light: light * between(geometry, p, x), x, plane: there.plane });
     }
     None
@@ -102,13 +103,16 @@ fn unshadowed(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples: S
 /// of the emitters' area: E G / (n_e p + n_c G).
 pub fn from_direction(geometry: &Geometry, n: Vec3, direction: Vec3, hit: &Hit, samples: Samples) -> Vec3 {
     let there = &geometry.tris[hit.tri as usize];
-    let emit = Vec3::from(geometry.materials[there.material as usize].emit);
+    let emit = texture::emit(geometry, hit.tri, hit.b1, hit.b2);
     let total = emit.x + emit.y + emit.z;
     if total > 0.0 {
         let cos_y = n.dot(direction);
         let cos_x = -Vec3::from(there.normal).dot(direction);
         let g = geometric(geometry.flatland, cos_x, cos_y, hit.t);
         let (ne, nc) = (samples.emitter as f32, samples.cosine as f32);
+        if let Some(density) = texture::density(geometry, hit.tri) {
+            return emit * (g / (ne * density + nc * g));
+        }
         return emit * (g / (ne * total * geometry.emitter_density + nc * g));
     }
     Vec3::ZERO
@@ -118,8 +122,8 @@ pub fn from_direction(geometry: &Geometry, n: Vec3, direction: Vec3, hit: &Hit, 
 /// such light comes from cosine directions alone, E T / n_c.
 pub fn from_way(geometry: &Geometry, n: Vec3, way: &Way, samples: Samples) -> Vec3 {
     if way.mirrors > 0 {
-        let there = &geometry.tris[way.hit.tri as usize];
-        return Vec3::from(geometry.materials[there.material as usize].emit) * (way.share / samples.cosine as f32);
+        let emit = texture::emit(geometry, way.hit.tri, way.hit.b1, way.hit.b2);
+        return emit * (way.share / samples.cosine as f32);
     }
     let light = from_direction(geometry, n, way.direction, &way.hit, samples);
     if geometry.sigma > 0.0 { light * way.share } else { light }

@@ -2,6 +2,7 @@
 
 use super::math::{cosine_direction, invert_cdf, seed_of, unit};
 use super::sobol::sobol4;
+use super::texture::is_there;
 use super::trace::{place_in_tile, position, surface_point, tile_of};
 use super::way::follow;
 use crate::layout::{NONE, Point, Tile, kind};
@@ -55,6 +56,12 @@ pub fn emit(geometry: &Geometry, tiles: &[Tile], seed: u32, first: u32, count: u
             let (b1, b2) = place_in_tile(geometry.flatland, t.cuts(), tile - t.first_tile, place, unit(u[1]));
             let p = position(geometry.flatland, t, b1, b2);
             let direction = cosine_direction(geometry.flatland, Vec3::from(t.normal), unit(u[2]), unit(u[3]));
+            if !is_there(geometry, tri, b1, b2) {
+                // What is cut out sends nothing and receives nothing.
+                let s = Point { p: p.to_array(), tri, tile, density: tiles[tile as usize].density, ..Point::default() };
+                let end = Point { p: direction.to_array(), tri: NONE, tile: NONE, ..Point::default() };
+                return [s, end];
+            }
             let way = follow(geometry, tri, p, direction);
             let (met, hit) = (way.kind, way.hit);
             let density = tiles[tile as usize].density;

@@ -24,6 +24,15 @@ pub struct System {
     pub planes: Vec<Plane>,
     /// What arrives at each node before any cell: h the value, g0 and g1 the moments (not yet a gradient).
     pub node_source: Vec<NodeLight>,
+    /// A material for each node, where reflectance varies over the scene's own; else empty.
+    pub materials: Vec<Material>,
+}
+
+impl System {
+    /// Reflectance of a node, of the scene's materials or its own.
+    pub fn rho(&self, materials: &[Material], node: usize) -> [f32; 3] {
+        self.materials.get(node).unwrap_or_else(|| &materials[self.planes[node].material as usize]).rho
+    }
 }
 
 /// beta of every cell.
@@ -34,7 +43,7 @@ pub fn beta(system: &System, materials: &[Material], light: &[NodeLight]) -> Vec
             let mut sum = Vec3::from_slice(&system.source[c][..3]);
             for l in &system.cell_links[system.cell_offsets[c] as usize..system.cell_offsets[c + 1] as usize] {
                 let node = &light[l.other as usize];
-                let rho = Vec3::from(materials[system.planes[l.other as usize].material as usize].rho);
+                let rho = Vec3::from(system.rho(materials, l.other as usize));
                 sum += rho * (Vec3::from(node.h) * l.value + Vec3::from(node.g0) * l.first + Vec3::from(node.g1) * l.second);
             }
             [sum.x, sum.y, sum.z, 0.0]

@@ -19,6 +19,7 @@ pub mod respond;
 pub mod shoot;
 pub mod sky;
 pub mod sobol;
+pub mod texture;
 pub mod trace;
 pub mod way;
 pub mod winner;

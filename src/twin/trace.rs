@@ -164,6 +164,9 @@ fn walk(geometry: &Geometry, ray: &Ray, any: bool) -> Hit {
                     if behind < BEHIND && (across > 0.0 || any) {
                         continue;
                     }
+                    if geometry.cut && !super::texture::is_there(geometry, i, b1, b2) {
+                        continue;
+                    }
                     hit = Hit { t, tri: i, b1, b2 };
                     if any {
                         return hit;

@@ -3,7 +3,10 @@
 mod absent;
 #[path = "../common/mod.rs"]
 mod common;
+mod cutouts;
 mod lights;
+mod maps;
 mod medium;
 mod mirrors;
 mod sky;
+mod textures;

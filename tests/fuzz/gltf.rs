@@ -49,6 +49,17 @@ static EMBEDDED: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
+/// With a texture that colours, shines and cuts out.
+static TEXTURED: LazyLock<String> = LazyLock::new(|| {
+    use base64::Engine;
+    let image = base64::engine::general_purpose::STANDARD.encode(super::png());
+    EMBEDDED
+        .replace(r#"{"POSITION": 0}, "indices""#, r#"{"POSITION": 0, "TEXCOORD_0": 2}, "indices""#)
+        .replace(r#""metallicFactor": 0}"#, r#""metallicFactor": 0, "baseColorTexture": {"index": 0}}, "alphaMode": "MASK", "emissiveTexture": {"index": 0}"#)
+        .replace(r#""byteOffset": 0}"#, r#""byteOffset": 0}, {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC2"}"#)
+        .replace(r#""buffers""#, &format!(r#""samplers": [{{"wrapS": 33071}}], "textures": [{{"source": 0, "sampler": 0}}], "images": [{{"uri": "data:image/png;base64,{image}"}}], "buffers""#))
+});
+
 /// JSON and buffer apart, so that a change of length does not break the container around them.
 static PARTS: LazyLock<Vec<u8>> =
     LazyLock::new(|| [EXTERNAL.replace(r#", "uri": "s.bin""#, "").as_bytes(), SEAM, &BUFFER[..]].concat());
@@ -143,7 +154,7 @@ fn names_place(file: &str, message: &str) -> bool {
 fn gltf() {
     run(&Target {
         format: "gltf",
-        seeds: &[EXTERNAL.as_bytes(), EMBEDDED.as_bytes()],
+        seeds: &[EXTERNAL.as_bytes(), EMBEDDED.as_bytes(), TEXTURED.as_bytes()],
         words: WORDS,
         read: &|bytes| read("s.gltf", bytes),
         names_place: &|message| names_place("s.gltf", message),

@@ -26,6 +26,14 @@ const TIME: Duration = Duration::from_secs(1);
 /// Most memory a reader may hold for one input, bytes.
 const MEMORY: usize = 1 << 30;
 
+/// A small image.
+pub fn png() -> Vec<u8> {
+    let mut out = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_fn(3, 2, |x, y| image::Rgba([90 * x as u8, 200 * y as u8, 7, 255 * (x as u8 & 1)]));
+    image.write_to(&mut out, image::ImageFormat::Png).expect("a png");
+    out.into_inner()
+}
+
 /// What a reader is tried on.
 pub struct Target<'a> {
     /// The format: the start of the names of its files in `tests/data/fuzz/`.

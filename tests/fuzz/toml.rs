@@ -46,6 +46,21 @@ height = 48
 "#,
     br#"file = [{ path = "s.obj", matrix = [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], kd_space = "srgb" }]
 "#,
+    br#"[[mesh]]
+name = "sheet"
+material = "paper"
+vertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+faces = [[0, 1, 2, 3]]
+uvs = [[0, 0], [1, 0], [1, 1], [0, 1]]
+
+[[material]]
+name = "paper"
+reflectance = 0.5
+reflectance_map = "t.png"
+emission_map = "t.png"
+alpha_map = "gone.png"
+alpha_cutoff = 0.25
+"#,
 ];
 
 const WORDS: &[&str] = &[
@@ -95,6 +110,7 @@ fn toml() {
                 Some("s.toml") => Ok(bytes.to_vec()),
                 Some("s.obj") => Ok(OBJ.to_vec()),
                 Some("s.mtl") => Ok(MTL.to_vec()),
+                Some("t.png") => Ok(super::png()),
                 _ => Err(std::io::ErrorKind::NotFound.into()),
             };
             let options = LoadOptions::default();

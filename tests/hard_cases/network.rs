@@ -473,6 +473,7 @@ fn f12_what_was_never_sampled_answers_nothing_or_its_neighbours() {
         node_links: vec![link(0, 1.0)],
         planes: vec![Plane::default(); 2],
         node_source: vec![NodeLight::default(); 2],
+        ..System::default()
     };
     let grey = [raycell::layout::Material { rho: [0.5; 3], ..Default::default() }];
     let light = jacobi(&system, &grey, &[NodeLight::default(); 2], 60);

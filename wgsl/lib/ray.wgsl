@@ -1,8 +1,9 @@
-// Traversal: the twin of src/twin/trace.rs. The kernel binds `bvh: array<BvhNode>` and `tris: array<Tri>`.
+// Traversal: the twin of src/twin/trace.rs. The kernel binds `bvh: array<BvhNode>`, `tris: array<Tri>` and `texels`.
 #import layout
 #import boxes
 #import triangles
 #import math
+#import texture
 #import finish
 
 // Depth of the stack; the host refuses deeper hierarchies.
@@ -145,6 +146,11 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
                     let behind = select((t_max - met.t) * -across, met.t * across, across > 0.0);
                     if behind < BEHIND && (across > 0.0 || any_hit) {
                         continue;
+                    }
+                    if CUTOUTS {
+                        if !is_there(i, vec2<f32>(met.b1, met.b2)) {
+                            continue;
+                        }
                     }
                     hit = met;
                     if any_hit {

@@ -119,7 +119,8 @@ pub fn already(folder: &Path, scene: &Scene, params: &Params, climb: bool) -> Op
             false => solution.report().params == *params,
         }
         && (then.space, &then.vertices, &then.faces, &then.materials)
-            == (scene.space, &scene.vertices, &scene.faces, &scene.materials);
+            == (scene.space, &scene.vertices, &scene.faces, &scene.materials)
+        && (&then.textures, &then.uvs, &then.face_uvs) == (&scene.textures, &scene.uvs, &scene.face_uvs);
     same.then_some(solution)
 }
 

@@ -202,11 +202,24 @@ impl Transport<'_> {
 /// Reflectance of each patch, and what it sends by itself.
 pub fn own_light(geometry: &Geometry, mesh: &Mesh, patches: &[Patch], sampled: &Sampled, exact: bool) -> Vec<(DVec3, DVec3)> {
     let wide = |x: [f32; 3]| DVec3::from_array(x.map(f64::from));
+    // Where textures make it vary, the mean over a patch's points.
+    let mean = |i: usize| {
+        let (mut m, mut all) = (Material::default(), 0.0);
+        for k in i * POINTS..(i + 1) * POINTS {
+            let (here, w) = (geometry.material_at(&sampled.points[k]), sampled.stretch[k]);
+            let add = |sum: [f32; 3], x: [f32; 3]| [0, 1, 2].map(|b| sum[b] + w * x[b]);
+            (m.rho, m.emit) = (add(m.rho, here.rho), add(m.emit, here.emit));
+            all += w;
+        }
+        Material { rho: m.rho.map(|x| x / all), emit: m.emit.map(|x| x / all), ..m }
+    };
     patches
         .iter()
         .zip(&sampled.direct)
-        .map(|(p, &d)| {
-            let m: &Material = geometry.material_of(mesh.charts[p.chart as usize].tris[0] as usize);
+        .enumerate()
+        .map(|(i, (p, &d))| {
+            let plain = geometry.material_of(mesh.charts[p.chart as usize].tris[0] as usize);
+            let m = if geometry.textured { mean(i) } else { *plain };
             (wide(m.rho), if exact { wide(m.rho) * DVec3::from_array(d) } else { wide(m.emit) })
         })
         .collect()

@@ -98,7 +98,8 @@ impl Sampled {
             let own = i * POINTS..(i + 1) * POINTS;
             let all: f64 = out.stretch[own.clone()].iter().map(|&s| s as f64).sum();
             let (mut live, mut visible, mut direct, mut centre) = (0.0, 0.0, [0.0; 3], DVec3::ZERO);
-            for k in own.filter(|&k| !seen[k].dead || sums[k].sum != [0.0; 3]) {
+            let lit = |k: usize| !seen[k].dead || sums[k].sum != [0.0; 3];
+            for k in own.filter(|&k| lit(k) && geometry.is_there(&out.points[k])) {
                 let w = out.stretch[k] as f64;
                 live += w;
                 visible += w * seen[k].light;

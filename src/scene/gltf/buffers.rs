@@ -48,6 +48,45 @@ impl<'a> Buffers<'a> {
         Ok(elements.iter().map(|b| [0, 1, 2].map(|k| float(b, k))).collect())
     }
 
+    /// Texture coordinates, two floats or normalised integers each.
+    pub fn coordinates(&mut self, accessor: Index<Accessor>, reader: &mut Reader) -> Result<Vec<[f64; 2]>> {
+        let kinds = [ComponentType::F32, ComponentType::U8, ComponentType::U16];
+        let elements = self.elements(accessor, Type::Vec2, &kinds, reader)?;
+        let number = |b: &[u8]| match *b {
+            [x] => f64::from(x) / 255.0,
+            [x, y] => f64::from(u16::from_le_bytes([x, y])) / 65_535.0,
+            [x, y, z, w] => f64::from(f32::from_le_bytes([x, y, z, w])),
+            _ => f64::NAN,
+        };
+        let half = elements.size / 2;
+        Ok(elements.iter().map(|b| [number(&b[..half]), number(&b[half..])]).collect())
+    }
+
+    /// The bytes of an image: a view of a buffer, a `data:` URI, or a file beside the scene. What is wrong is told in words.
+    pub fn image(&mut self, index: usize, reader: &mut Reader) -> std::result::Result<Vec<u8>, String> {
+        let image = &self.root.images[index];
+        if let Some(view) = image.buffer_view {
+            let view = &self.root.buffer_views[view.value()];
+            let buffer = self.buffer(view.buffer.value(), reader).map_err(|e| e.to_string())?;
+            let start = view.byte_offset.map_or(0, |o| o.0);
+            let end = start.checked_add(view.byte_length.0).filter(|&end| end <= buffer.len() as u64);
+            return match end {
+                Some(end) => Ok(buffer[start as usize..end as usize].to_vec()),
+                None => Err("its view reaches beyond its buffer".into()),
+            };
+        }
+        match image.uri.as_deref() {
+            None => Err("it has neither a uri nor a buffer view".into()),
+            Some(uri) => match uri.strip_prefix("data:") {
+                Some(data) => base64(data),
+                None => {
+                    let path = self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri));
+                    reader.try_read(&path).map_err(|e| e.to_string())
+                }
+            },
+        }
+    }
+
     /// Vertex numbers.
     pub fn indices(&mut self, accessor: Index<Accessor>, reader: &mut Reader) -> Result<Vec<u32>> {
         let kinds = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
@@ -108,18 +147,21 @@ impl<'a> Buffers<'a> {
         };
         if self.read[index].is_none() {
             self.read[index] = Some(match uri.strip_prefix("data:") {
-                Some(data) => {
-                    let Some((_, text)) = data.split_once(";base64,") else { return Err(bad("has a data: URI without base64")) };
-                    // Exporters do not agree on padding.
-                    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
-                    let base64 = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
-                    base64.decode(text).map_err(|e| bad(&format!("is no base64: {e}")))?
-                }
+                Some(data) => base64(data).map_err(|why| bad(&why))?,
                 None => reader.read(&self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri)))?,
             });
         }
         Ok(self.read[index].as_deref().unwrap_or_default())
     }
+}
+
+/// The bytes of a `data:` URI.
+fn base64(data: &str) -> std::result::Result<Vec<u8>, String> {
+    let Some((_, text)) = data.split_once(";base64,") else { return Err("has a data: URI without base64".into()) };
+    // Exporters do not agree on padding.
+    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+    let base64 = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
+    base64.decode(text).map_err(|e| format!("is no base64: {e}"))
 }
 
 /// A URI's %20 and the like as the characters they stand for.

@@ -47,6 +47,7 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
         buffers: Buffers::new(path, &root, chunk),
         materials: Materials::new(path, &root),
         unread: Unread::default(),
+        bare: Unread::default(),
         scene: Scene { name: path.display().to_string(), ..Scene::default() },
     };
     for extension in root.extensions_used.iter().filter(|e| !HARMLESS.contains(&e.as_str())) {
@@ -57,8 +58,14 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
     }
     read.nodes(reader)?;
 
-    let Read { mut scene, unread, materials, .. } = read;
+    let Read { mut scene, unread, bare, materials, .. } = read;
     unread.warn(path, &mut scene.warnings);
+    bare.warn_as(
+        path,
+        "given the mean of their texture, and nothing cut out",
+        "unwrap them in the modeller",
+        &mut scene.warnings,
+    );
     materials.warn(&mut scene.warnings);
     sides::mirror(&mut scene, |face| materials.is_two_sided(face.material));
     Ok(scene)
@@ -144,6 +151,8 @@ struct Read<'a> {
     buffers: Buffers<'a>,
     materials: Materials<'a>,
     unread: Unread,
+    /// What has a texture and no coordinates for it.
+    bare: Unread,
     scene: Scene,
 }
 
@@ -230,22 +239,43 @@ impl Read<'_> {
             let place = format!("{}: {place}", self.path.display());
             return Err(Error::IndexOutOfRange { place, index: index as i64, count });
         }
-        let material = self.materials.used(primitive.material, &mut self.scene, place);
+        let material = self.materials.used(primitive.material, &mut self.buffers, reader, &mut self.scene, place);
+        let textured = self.scene.materials[material as usize].maps().iter().any(Option::is_some);
+        let first_uv = self.scene.uvs.len() as u32;
+        let mut has_uvs = false;
+        if textured {
+            match primitive.attributes.get(&Checked::Valid(Semantic::TexCoords(0))) {
+                Some(&accessor) => {
+                    let uvs = self.buffers.coordinates(accessor, reader)?;
+                    if uvs.len() != count {
+                        let what = format!("has {} texture coordinates and {count} positions", uvs.len());
+                        return Err(fault(self.path, place, &what));
+                    }
+                    self.scene.uvs.extend(uvs);
+                    has_uvs = true;
+                }
+                None => self.bare.add("primitives without TEXCOORD_0", place),
+            }
+        }
         self.scene.vertices.extend(positions);
         let at = |i: usize| first as u32 + corners[i];
         let triangles = match mode {
             Mode::Triangles => corners.len() / 3,
             _ => corners.len().saturating_sub(2),
         };
-        self.scene.faces.extend((0..triangles).map(|i| {
-            let vertices = match mode {
+        for i in 0..triangles {
+            let three = match mode {
                 Mode::Triangles => [3 * i, 3 * i + 1, 3 * i + 2],
                 // Every other triangle of a strip is wound the other way.
                 Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
                 _ => [i + 1, i + 2, 0],
             };
-            Face { vertices: vertices.map(at), material, object }
-        }));
+            if has_uvs {
+                let face = self.scene.faces.len();
+                self.scene.set_uv(face, three.map(|i| first_uv + corners[i]));
+            }
+            self.scene.faces.push(Face { vertices: three.map(at), material, object });
+        }
         Ok(())
     }
 

@@ -58,6 +58,9 @@ pub struct Mesh {
     pub material: String,
     pub vertices: Vec<[f64; 3]>,
     pub faces: Vec<Vec<u32>>,
+    /// Texture coordinates, one a vertex, v upwards.
+    #[serde(default)]
+    pub uvs: Vec<[f64; 2]>,
     #[serde(default)]
     pub two_sided: bool,
 }
@@ -97,6 +100,10 @@ pub struct Material {
     pub radiosity: Option<Values>,
     pub lumens: Option<f64>,
     pub color: Option<[f64; 3]>,
+    pub reflectance_map: Option<String>,
+    pub emission_map: Option<String>,
+    pub alpha_map: Option<String>,
+    pub alpha_cutoff: Option<f64>,
     #[serde(default)]
     pub two_sided: bool,
 }

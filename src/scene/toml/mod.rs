@@ -3,16 +3,19 @@
 mod document;
 mod lights;
 
+use super::images::{Images, below_one, find};
 use super::load::{Kind, Reader, Up, kind, place};
-use super::mtl::{GREY, not_quite_one};
+use super::mtl::GREY;
 use super::polygon::{Cut, cut};
 use super::text::decode;
+use super::texture::{Channel, Map, Meaning};
 use super::transform::{self, From};
 use super::unread::Unread;
 use super::{Face, Material, Scene, Space, View, fits, gltf, obj, sides};
 use crate::error::{Error, Result};
+use crate::layout::NONE;
 use crate::solution;
-use document::{Document, Side};
+use document::{Document, Side, Values};
 use glam::{DMat4, DQuat, DVec3, EulerRot};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -43,7 +46,7 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
         .material
         .iter()
         .map(|m| m.as_ref())
-        .filter(|m| m.reflectance.is_some() || m.mirror.is_some())
+        .filter(|m| m.reflectance.is_some() || m.reflectance_map.is_some() || m.mirror.is_some())
         .map(|m| m.name.clone())
         .collect();
     for entry in &document.file {
@@ -89,8 +92,9 @@ pub fn read(path: &Path, reader: &mut Reader) -> Result<Scene> {
     let two_sided = |name: &str| document.material.iter().any(|m| m.as_ref().two_sided && m.as_ref().name == name);
     let names: Vec<bool> = scene.materials.iter().map(|m| two_sided(&m.name)).collect();
     sides::mirror(&mut scene, |face| reader.options.two_sided || names[face.material as usize]);
+    let mut images = Images::default();
     for entry in &document.material {
-        material(&at, entry.span(), entry.as_ref(), reader.options.unit, &mut scene)?;
+        material(&at, entry.span(), entry.as_ref(), &mut images, reader, &mut scene)?;
     }
     if let Some(medium) = &document.medium {
         scene.absorption = medium.as_ref().absorption;
@@ -202,6 +206,17 @@ fn file(
         return Err(fault("brings more than 4294967295 vertices into the scene"));
     }
     let (v, m, o) = (scene.vertices.len() as u32, scene.materials.len() as u32, scene.objects.len() as u32);
+    let (t, c) = (scene.textures.len() as u32, scene.uvs.len() as u32);
+    for (i, corners) in part.face_uvs.iter().enumerate() {
+        scene.set_uv(scene.faces.len() + i, corners.map(|k| if k == NONE { k } else { k + c }));
+    }
+    scene.uvs.extend(part.uvs);
+    scene.textures.extend(part.textures);
+    for material in &mut part.materials {
+        for map in [&mut material.reflectance_map, &mut material.emission_map, &mut material.alpha_map].into_iter().flatten() {
+            map.texture += t;
+        }
+    }
     let moved = |f: Face| Face { vertices: f.vertices.map(|i| i + v), material: f.material + m, object: f.object + o };
     scene.faces.extend(part.faces.into_iter().map(moved));
     scene.vertices.extend(part.vertices);
@@ -264,6 +279,12 @@ fn mesh(
     crossing: &mut Unread,
 ) -> Result<()> {
     let (first, count) = (scene.vertices.len(), entry.vertices.len());
+    if !entry.uvs.is_empty() && entry.uvs.len() != count {
+        let what = format!("mesh '{}' has {} uvs and {count} vertices; give one a vertex", entry.name, entry.uvs.len());
+        return Err(at.fault(span, &what));
+    }
+    let first_uv = scene.uvs.len() as u32;
+    scene.uvs.extend(entry.uvs.iter().map(|&[u, v]| [u, 1.0 - v]));
     scene.vertices.extend(&entry.vertices);
     let material = material_named(at, span.clone(), &entry.material, overridden, scene);
     let object = scene.objects.len() as u32;
@@ -277,10 +298,15 @@ fn mesh(
             let place = format!("{}: mesh '{}', face {f}", at.name(span), entry.name);
             return Err(Error::IndexOutOfRange { place, index: index as i64, count });
         }
+        let (next, mut cuts) = (scene.faces.len(), Vec::new());
         let Scene { vertices, faces, .. } = scene;
         let shape = cut(face, &vertices[first..], |t| {
             faces.push(Face { vertices: t.map(|i| first as u32 + face[i]), material, object });
+            cuts.push(t);
         });
+        if !entry.uvs.is_empty() {
+            cuts.into_iter().enumerate().for_each(|(i, t)| scene.set_uv(next + i, t.map(|c| first_uv + face[c])));
+        }
         if shape == Cut::Overlapping {
             crossing.add(&format!("polygons of '{}' that cross themselves", entry.name), at.name(span.clone()));
         }
@@ -292,8 +318,17 @@ fn mesh(
     Ok(())
 }
 
-/// Gives all materials of a name what the table says. `unit` is what lengths will still be multiplied by.
-fn material(at: &Place, span: Range<usize>, entry: &document::Material, unit: f64, scene: &mut Scene) -> Result<()> {
+/// Gives all materials of a name what the table says.
+fn material(
+    at: &Place,
+    span: Range<usize>,
+    entry: &document::Material,
+    images: &mut Images,
+    reader: &mut Reader,
+    scene: &mut Scene,
+) -> Result<()> {
+    // What lengths will still be multiplied by.
+    let unit = reader.options.unit;
     let fault = |what: &str| at.fault(span.clone(), &format!("material '{}' {what}", entry.name));
     let place = at.name(span.clone());
     let of_name: Vec<usize> = (0..scene.materials.len()).filter(|&m| scene.materials[m].name == entry.name).collect();
@@ -336,25 +371,52 @@ fn material(at: &Place, span: Range<usize>, entry: &document::Material, unit: f6
     if entry.mirror.is_some() && (entry.reflectance.is_some() || radiance.is_some()) {
         return Err(fault("is a mirror beside a reflectance or light of its own; a mirror has its own reflectance alone"));
     }
+    if entry.mirror.is_some() && (entry.reflectance_map.is_some() || entry.emission_map.is_some()) {
+        return Err(fault("is a mirror beside a map of reflectance or light; a mirror has one reflectance everywhere"));
+    }
     if let Some(mirror) = entry.mirror.filter(|m| !(0.0..1.0).contains(m)) {
         return Err(fault(&format!("is a mirror of reflectance {mirror}; give a number in [0, 1)")));
     }
-    let reflectance = entry.reflectance.map(|r| not_quite_one(r.three(), &entry.name, &place, &mut scene.warnings));
+    if entry.lumens.is_some() && entry.emission_map.is_some() {
+        return Err(fault("has lumens beside an emission_map; give the radiance that its texels are multiplied by"));
+    }
+    if let Some(cutoff) = entry.alpha_cutoff.filter(|c| !(0.0..=1.0).contains(c)) {
+        return Err(fault(&format!("has an alpha_cutoff of {cutoff}; give 0 to 1")));
+    }
+    let mut map = |name: &Option<String>, meaning, instead: &str, scene: &mut Scene| {
+        let name = name.as_ref()?;
+        let bytes = || find(at.path, name, reader).map(|found| found.1).map_err(|e| e.to_string());
+        images.take(name, meaning, bytes, &place, instead, scene).map(Map::new)
+    };
+    let reflectance_map = map(&entry.reflectance_map, Meaning::Colour, "its reflectance is taken alone", scene);
+    let emission_map = map(&entry.emission_map, Meaning::Colour, "its radiance is taken alone", scene);
+    let alpha_map = map(&entry.alpha_map, Meaning::Alpha(Channel::Any), "nothing is cut out", scene);
+    // A reflectance of its own paints over what a file says, a map too; a map alone is multiplied by 1.
+    let factor = entry.reflectance.map(Values::three).or(reflectance_map.map(|_| [1.0; 3]));
+    let reflectance = factor.map(|r| below_one(r, reflectance_map, &entry.name, &place, scene));
+    let radiance = radiance.or(emission_map.map(|_| [1.0; 3]));
     for m in of_name {
         let material = &mut scene.materials[m];
-        material.reflectance = reflectance.unwrap_or(material.reflectance);
-        material.emission = radiance.unwrap_or(material.emission);
+        if let Some(reflectance) = reflectance {
+            (material.reflectance, material.reflectance_map) = (reflectance, reflectance_map);
+        }
+        if let Some(radiance) = radiance {
+            (material.emission, material.emission_map) = (radiance, emission_map);
+        }
         if let Some(mirror) = entry.mirror {
             if material.emission != [0.0; 3] {
                 let what =
                     format!("material '{}' shines in its file and is a mirror here, and its light is left out", entry.name);
                 scene.warnings.push(format!("{place}: {what}; name the lamp's material otherwise"));
             }
-            *material = Material::new_mirror(&entry.name, mirror);
+            let (alpha_map, alpha_cutoff) = (material.alpha_map, material.alpha_cutoff);
+            *material = Material { alpha_map, alpha_cutoff, ..Material::new_mirror(&entry.name, mirror) };
         } else if reflectance.is_some() || radiance.is_some() {
             // What a file took for a mirror is what the table says.
             material.mirror = 0.0;
         }
+        material.alpha_map = alpha_map.or(material.alpha_map);
+        material.alpha_cutoff = entry.alpha_cutoff.unwrap_or(material.alpha_cutoff);
         scene.material_places[m] = place.clone();
     }
     Ok(())
