@@ -80,7 +80,12 @@ fn what_is_sound_is_left_in_peace() {
     for folder in std::fs::read_dir(path("scenes")).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_dir()) {
         for file in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
             if ["obj", "gltf", "glb", "toml"].iter().any(|e| file.extension().is_some_and(|x| x == *e)) {
-                assert_eq!(examine(&Scene::read(&file).unwrap()).unwrap(), [], "{}", file.display());
+                let mut found = examine(&Scene::read(&file).unwrap()).unwrap();
+                // The court's lights are in its TOML.
+                if file.ends_with("court.obj") {
+                    assert_eq!(found.remove(0).check, Check::NoEmitter);
+                }
+                assert_eq!(found, [], "{}", file.display());
                 seen += 1;
             }
         }
