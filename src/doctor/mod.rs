@@ -69,10 +69,14 @@ pub(crate) fn warnings(scene: &Scene, geometry: &Geometry) -> Vec<String> {
 
 /// The scene with its impossible materials made possible, so that the rest can be looked at.
 fn lightable(scene: &Scene) -> Cow<'_, Scene> {
-    if scene.materials.iter().all(|m| m.check().is_ok()) {
+    if (0..scene.materials.len()).all(|m| scene.check_material(m).is_ok()) {
         return Cow::Borrowed(scene);
     }
     let mut scene = scene.clone();
+    let impossible: Vec<bool> = (0..scene.materials.len()).map(|m| scene.check_material(m).is_err()).collect();
+    for m in scene.materials.iter_mut().zip(impossible).filter(|x| x.1).map(|x| x.0) {
+        (m.reflectance_map, m.emission_map, m.alpha_map) = (None, None, None);
+    }
     for m in &mut scene.materials {
         // NaN fails both comparisons and becomes the lower bound.
         m.reflectance = m.reflectance.map(|x| if x > 0.0 { x.min(0.98) } else { 0.0 });

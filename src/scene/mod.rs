@@ -98,7 +98,9 @@ impl Material {
     ///
     /// Errors: [`Error::InvalidReflectance`], [`Error::InvalidEmission`], [`Error::InvalidMirror`].
     pub fn check(&self) -> Result<()> {
-        self.check_at("in memory", [1.0; 3], [1.0; 3])
+        // What its texels come to is not known here.
+        let most = |map: Option<Map>| if map.is_some() { [0.0; 3] } else { [1.0; 3] };
+        self.check_at("in memory", most(self.reflectance_map), most(self.emission_map))
     }
 
     /// `rho` and `shine` are the largest texels of the maps, 1 where there is none.
