@@ -72,5 +72,6 @@ pub fn below_one(factor: [f64; 3], map: Option<Map>, name: &str, place: &str, sc
     let most = map.map_or([1.0; 3], |m| scene.textures[m.texture as usize].most().map(f64::from));
     let product = [0, 1, 2].map(|k| factor[k] * most[k]);
     let lowered = not_quite_one(product, name, place, &mut scene.warnings);
-    [0, 1, 2].map(|k| if lowered[k] == product[k] { factor[k] } else { NEARLY_ONE / most[k] })
+    // What is no number stays so, to be refused.
+    [0, 1, 2].map(|k| if lowered[k] < product[k] { NEARLY_ONE / most[k] } else { factor[k] })
 }
