@@ -185,14 +185,16 @@ impl Gpu {
         let entries: Vec<wgpu::BindGroupLayoutEntry> = special
             .bindings
             .iter()
-            .map(|&binding| {
-                let ty = match binding.checked_sub(1).map(|i| kernel.buffers[i as usize]) {
+            .filter_map(|&binding| {
+                // What the pass does not know of is missing in the layout, and wgpu refuses it.
+                let ty = match binding.checked_sub(1).map(|i| kernel.buffers.get(i as usize)) {
                     None => buffer(wgpu::BufferBindingType::Uniform, true),
-                    Some(Access::Texels) => super::paged::BINDING,
-                    Some(Access::Scene) if kernel.text.paged => super::paged::BINDING,
-                    Some(access) => buffer(wgpu::BufferBindingType::Storage { read_only: access != Access::Write }, false),
+                    Some(None) => return None,
+                    Some(Some(Access::Texels)) => super::paged::BINDING,
+                    Some(Some(Access::Scene)) if kernel.text.paged => super::paged::BINDING,
+                    Some(Some(access)) => buffer(wgpu::BufferBindingType::Storage { read_only: *access != Access::Write }, false),
                 };
-                wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
+                Some(wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None })
             })
             .collect();
         self.scoped(stage, || {
