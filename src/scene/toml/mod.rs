@@ -8,6 +8,7 @@ use super::load::{Kind, Reader, Up, kind, place};
 use super::mtl::GREY;
 use super::polygon::{Cut, cut};
 use super::text::decode;
+use super::texture::check_uv;
 use super::texture::{Channel, Map, Meaning};
 use super::transform::{self, From};
 use super::unread::Unread;
@@ -285,6 +286,9 @@ fn mesh(
     }
     let first_uv = scene.uvs.len() as u32;
     scene.uvs.extend(entry.uvs.iter().map(|&[u, v]| [u, 1.0 - v]));
+    for (i, uv) in scene.uvs[first_uv as usize..].iter().enumerate() {
+        check_uv(uv, || format!("{}: mesh '{}', uv {i}", at.name(span.clone()), entry.name))?;
+    }
     scene.vertices.extend(&entry.vertices);
     let material = material_named(at, span.clone(), &entry.material, overridden, scene);
     let object = scene.objects.len() as u32;
