@@ -20,8 +20,8 @@ use crate::output::report::{EffectReport, Report};
 use crate::scene::{Geometry, Scene};
 use light::Look;
 
-/// Why an effect that is not built is absent.
-pub(crate) const NONE: &str = "the scene asks for none (and there would be none yet)";
+/// Why an effect is absent that the files do not ask for.
+pub(crate) const NONE: &str = "the scene asks for none";
 
 /// The effects of a scene, in the order of [`Name::ALL`].
 ///
