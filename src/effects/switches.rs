@@ -70,6 +70,10 @@ impl Switches {
     ///
     /// Errors: [`Error::InvalidParam`] where an effect cannot be switched so: the scene has none of it, or no light without it.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        if self.asked.is_empty() {
+            // Without a look at the scene, which takes its preparation and some thousand paths.
+            return Ok(());
+        }
         let present = super::analyse(scene)?;
         for &(name, on) in &self.asked {
             let there = present.iter().any(|e| e.name == name.word() && e.on);
