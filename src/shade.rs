@@ -31,6 +31,11 @@ const FIRST_ROUNDS: u32 = 8;
 const FIRST_OVER_MIRRORS: u32 = 4;
 /// Samples that have to miss every emitter before a point is taken to see none.
 const DARK_SAMPLES: u32 = 256;
+/// Light beyond which a point's direct light is found as well as that of a point with so many times the usual light: a patch
+/// close by a lamp may be hundreds of times as bright, and as many times as far off, and what is said of the scene's error is then its.
+const BRIGHT: f64 = 3.0;
+/// How many times as many rounds such a point may have.
+const MORE: u32 = 8;
 /// Most rays of direct light between two moments at which the caller may stop.
 const DIRECT_RAYS: u32 = 1 << 21;
 /// Samples of direct light at a gather ray's hit.
@@ -55,12 +60,20 @@ pub(crate) struct Shade {
     pub covered: bool,
 }
 
-/// Shades points with the surface and the light that are set on the engine. `spacing` is the node
-/// spacing, local.
+/// What the read-out knows of a solution as a whole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Whole {
+    /// Node spacing, local.
+    pub spacing: f64,
+    /// The surface's mean irradiance, scaled W/m², or a bound of it; infinite where that is not known.
+    pub usual: f64,
+}
+
+/// Shades points with the surface and the light that are set on the engine.
 pub(crate) fn shade<E: Engine>(
     engine: &mut E,
     params: &Params,
-    spacing: f64,
+    whole: Whole,
     points: &[Point],
     progress: &mut Progress,
 ) -> Result<Vec<Shade>> {
@@ -70,7 +83,7 @@ pub(crate) fn shade<E: Engine>(
     let mut out = vec![Shade::default(); points.len()];
     for (i, places) in order.chunks(CHUNK).enumerate() {
         let chunk: Vec<Point> = places.iter().map(|&i| points[i as usize]).collect();
-        let shades = shade_chunk(engine, params, spacing, &chunk, seed_of(params.seed, i as u32), progress)?;
+        let shades = shade_chunk(engine, params, whole, &chunk, seed_of(params.seed, i as u32), progress)?;
         for (&i, shade) in places.iter().zip(shades) {
             out[i as usize] = shade;
         }
@@ -82,12 +95,12 @@ pub(crate) fn shade<E: Engine>(
 fn shade_chunk<E: Engine>(
     engine: &mut E,
     params: &Params,
-    spacing: f64,
+    whole: Whole,
     points: &[Point],
     seed: u32,
     progress: &mut Progress,
 ) -> Result<Vec<Shade>> {
-    let exact = params.direct == Direct::Exact;
+    let (exact, spacing) = (params.direct == Direct::Exact, whole.spacing);
     let mut batch = engine.upload(points)?;
 
     // The network's light.
@@ -100,7 +113,7 @@ fn shade_chunk<E: Engine>(
     // Exact direct light, as many rounds as its scatter asks for.
     let direct = if exact {
         let all: Vec<u32> = (0..points.len() as u32).collect();
-        sample_direct(engine, params, &mut batch, &all, &network, stream(seed, Stream::PointDirect), progress)?
+        sample_direct(engine, params, whole.usual, &mut batch, &all, &network, stream(seed, Stream::PointDirect), progress)?
     } else {
         vec![DirectSum::default(); points.len()]
     };
@@ -148,6 +161,7 @@ fn shade_chunk<E: Engine>(
             Some(sample_direct(
                 engine,
                 params,
+                whole.usual,
                 &mut from,
                 &all,
                 &light,
@@ -246,11 +260,24 @@ pub(crate) fn first_rounds(params: &Params, mirrors: bool) -> (Samples, u32) {
     (round, if mirrors { (most / FIRST_OVER_MIRRORS).max(2) } else { FIRST_ROUNDS.min((most / 8).max(2)) })
 }
 
+/// The standard error that is asked of direct light at a point with so much light, and of the rounds that are allowed how many.
+fn goal(params: &Params, usual: f64, light: f64, most: u32) -> (f64, u32) {
+    let bright = BRIGHT * usual;
+    if light <= bright {
+        return (params.direct_tolerance * light, most);
+    }
+    (params.direct_tolerance * bright, (f64::from(most) * (light / bright).min(f64::from(MORE))) as u32)
+}
+
+/// Direct light so far and the network's, mean over the bands.
+fn light_of(sum: &DirectSum, network: [f64; 3]) -> f64 {
+    (0..3).map(|k| f64::from(sum.mean()[k]) + network[k]).sum::<f64>() / 3.0
+}
+
 /// The standard error that direct light will be left with at a point, from its first rounds.
-pub(crate) fn direct_error(params: &Params, mirrors: bool, first: &DirectSum, network: &[f64; 3]) -> f64 {
-    let light = first.mean().iter().map(|&x| f64::from(x)).sum::<f64>() / 3.0 + network.iter().sum::<f64>() / 3.0;
-    let (mut error, goal) = (f64::from(first.standard_error()), params.direct_tolerance * light);
-    let (mut rounds, most) = (first.rounds, rounds(params, mirrors).1);
+pub(crate) fn direct_error(params: &Params, usual: f64, mirrors: bool, first: &DirectSum, network: &[f64; 3]) -> f64 {
+    let (goal, most) = goal(params, usual, light_of(first, *network), rounds(params, mirrors).1);
+    let (mut error, mut rounds) = (f64::from(first.standard_error()), first.rounds);
     while error > goal && rounds < most {
         // As below: what has been shot is doubled.
         rounds *= 2;
@@ -282,6 +309,7 @@ fn probe<E: Engine>(
 fn sample_direct<E: Engine>(
     engine: &mut E,
     params: &Params,
+    usual: f64,
     batch: &mut E::Batch,
     all: &[u32],
     network: &[[f32; 4]],
@@ -306,20 +334,20 @@ fn sample_direct<E: Engine>(
             progress.tick()?;
         }
         let sums = engine.direct_sums(batch)?;
-        if done >= most {
-            return Ok(sums);
-        }
+        let mut longest = 0;
         active.retain(|&i| {
-            let (s, h) = (&sums[i as usize], &network[i as usize]);
-            let light = s.mean().iter().sum::<f32>() / 3.0 + (h[0] + h[1] + h[2]) / 3.0;
+            let (s, h) = (&sums[i as usize], network[i as usize]);
+            let (goal, most) = goal(params, usual, light_of(s, [0, 1, 2].map(|k| f64::from(h[k]))), most);
             // Where all samples missed they do not scatter, and a small lamp close by is missed by a few.
             let unsure = s.sum == [0.0; 3] && done * rays < DARK_SAMPLES;
-            unsure || s.standard_error() > params.direct_tolerance as f32 * light
+            let goes_on = done < most && (unsure || f64::from(s.standard_error()) > goal);
+            longest = longest.max(if goes_on { most } else { 0 });
+            goes_on
         });
         if active.is_empty() {
             return Ok(sums);
         }
         // Double what has been shot.
-        rounds = done.min(most - done);
+        rounds = done.min(longest - done);
     }
 }

@@ -6,7 +6,9 @@
 
 mod common;
 
-use common::{gpu, radiosity, root, rrmse, rrmse_without, truth};
+use common::{gpu, radiosity, root, rrmse, truth};
+use raycell::accuracy::norms::Errors;
+use raycell::accuracy::truth::{Flag, Truth};
 use raycell::gpu::Gpu;
 use raycell::output::points;
 use raycell::scene::shapes::{quad, sides};
@@ -92,30 +94,21 @@ fn scenes_agree_with_their_truths() {
     let mut table = String::from("\nscene                 RRMSE       without 1 %  median       p90     sum ratio - 1\n");
     let mut failed = Vec::new();
     for (scene, network, limits) in LIMITS {
-        let truth = truth(scene);
+        let truth = Truth::read(&root(&format!("tests/data/{scene}.truth.csv"))).unwrap();
         let baked = baked(&gpu, Key { network, ..default(scene) });
         let b = radiosity(&baked.answers);
-        let mut errors: Vec<f64> = (0..b.len())
-            .filter(|&i| truth.good[i])
-            .map(|i| (mean(&b[i]) - mean(&truth.b[i])).abs() / mean(&truth.b[i]))
-            .collect();
-        errors.sort_by(f64::total_cmp);
-        let got = [
-            rrmse(&b, &truth.b),
-            rrmse_without(&b, &truth.b, b.len() / 100),
-            errors[errors.len() / 2],
-            sum(&b) / sum(&truth.b) - 1.0,
-        ];
+        let e = Errors::new(&b, &truth);
+        let got = [e.with_noise, e.trimmed, e.median, e.bias];
         let name = format!("{scene}{}", if network { " network" } else { "" });
         let cell = |k: usize| format!("{:6.2}/{:<5.1}", 100.0 * got[k], 100.0 * limits[k]);
-        let p90 = 100.0 * errors[errors.len() * 9 / 10];
+        let p90 = 100.0 * e.p90;
         table += &format!("{name:20} {} {} {} {p90:6.2} {}  %\n", cell(0), cell(1), cell(2), cell(3));
         for k in 0..4 {
             if got[k].abs() > limits[k] {
                 failed.push(format!("{name}: {:.4} > {}", got[k].abs(), limits[k]));
             }
         }
-        let black = (0..b.len()).filter(|&i| truth.good[i] && mean(&b[i]) <= 0.0).count();
+        let black = (0..b.len()).filter(|&i| truth.flags[i] == Flag::Good && mean(&b[i]) <= 0.0).count();
         if black > 0 {
             failed.push(format!("{name}: {black} black points"));
         }

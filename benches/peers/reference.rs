@@ -64,5 +64,6 @@ pub fn get(out: &Path, scene: &Path, points: &[SurfacePoint], samples: u32, mut 
         stderr: sums.iter().map(|s| [0, 1, 2].map(|k| scatter(s, k))).collect(),
         // All that light reaches count, however noisy: leaving some out would choose among them.
         flags: vec![Flag::Good; points.len()],
+        weights: Vec::new(),
     })
 }

@@ -147,6 +147,7 @@ fn test<E: Engine>(
 ) -> Result<Vec<Test>> {
     let (geometry, params) = (solution.geometry(), solution.params());
     let exact = params.direct == Direct::Exact;
+    let shade::Whole { spacing, usual } = solution.whole();
     let seed = |which| seed_of(stream(params.seed, which), chunk);
 
     // What the solution says, without final gathers.
@@ -165,12 +166,12 @@ fn test<E: Engine>(
     for n in 0..2 {
         let of = |which| seed_of(seed(which), n);
         let mut hits = engine.shoot(&batch, of(Stream::TestRays), 0, half)?;
-        shade::light_hits(engine, params, solution.spacing(), &mut hits, of(Stream::TestHits), shade::BOUNCES, progress)?;
+        shade::light_hits(engine, params, spacing, &mut hits, of(Stream::TestHits), shade::BOUNCES, progress)?;
         halves.push(engine.gather(&hits, half, true, exact)?);
         progress.tick()?;
     }
 
-    let (spacing, judged) = (solution.spacing(), geometry.judged());
+    let judged = geometry.judged();
     let tests = (0..places.len()).filter_map(|i| {
         let (m, of) = (geometry.material_at(&places[i]), geometry.material_of(places[i].tri as usize));
         let d = direct[i].mean().map(f64::from);
@@ -207,7 +208,7 @@ fn test<E: Engine>(
         }
         if exact || gathered {
             let rho = tiles::mean(&m.rho.map(f64::from));
-            t.direct = (rho * shade::direct_error(params, geometry.mirrors, &direct[i], &network)).powi(2);
+            t.direct = (rho * shade::direct_error(params, usual, geometry.mirrors, &direct[i], &network)).powi(2);
         }
         Some(t)
     });

@@ -15,7 +15,7 @@ use crate::checkpoint::{bytes, digest};
 use crate::error::{Error, Result};
 #[cfg(feature = "cli")]
 use crate::layout::Point;
-use crate::layout::kind;
+use crate::layout::{self, kind};
 use crate::output::atomic;
 use crate::progress::{Event, Progress};
 use crate::scene::{Geometry, Scene};
@@ -23,7 +23,7 @@ use crate::solution::SurfacePoint;
 use crate::twin::direct::{Samples, from_emitters, from_way, round};
 use crate::twin::emit::first_hit;
 use crate::twin::lights::from_lights;
-use crate::twin::math::{cosine_direction, seed_of, unit};
+use crate::twin::math::{cosine_direction, invert_cdf, seed_of, unit};
 use crate::twin::sky;
 use crate::twin::sobol::sobol4;
 use crate::twin::texture::{self, is_there};
@@ -52,6 +52,10 @@ const SURE: u32 = 2;
 const GO_ON: f32 = 0.97;
 /// Batches in flight.
 const IN_FLIGHT: usize = 256;
+/// Rays of the emitters that tell where their light falls.
+const LANDINGS: u32 = 65_536;
+/// Batches of direct samples that tell how much of it falls on a point.
+const WEIGHED: u32 = 64;
 /// Cosine rays that tell whether a point is covered.
 const PROBES: u32 = 64;
 
@@ -96,6 +100,8 @@ pub struct Reference<'a> {
     scene: &'a Scene,
     geometry: &'a Geometry,
     points: Vec<SurfacePoint>,
+    /// What of the surface each point stands for; none where that is the same for all.
+    weights: Vec<f64>,
     spots: Vec<Spot>,
     seed: u32,
     state: State,
@@ -149,7 +155,12 @@ impl<'a> Reference<'a> {
         let of = if geometry.sigma > 0.0 { digest(&[of.as_bytes(), bytes(&[geometry.sigma])]) } else { of };
         let none = vec![[0.0; 3]; points.len()];
         let state = State { of, share: Vec::new(), rounds: 0, sum: none.clone(), square: none };
-        Reference { scene, geometry, points, spots, seed, state }
+        Reference { scene, geometry, points, weights: Vec::new(), spots, seed, state }
+    }
+
+    /// The same with points that do not stand for as much of the surface each ([`bright_points`]).
+    pub fn weighted(self, weights: Vec<f64>) -> Reference<'a> {
+        Reference { weights, ..self }
     }
 
     /// Goes on from where [`Reference::save`] was called; from the beginning where `path` is not there.
@@ -220,7 +231,9 @@ impl<'a> Reference<'a> {
 
     /// Ends the first look: from now on each point gets batches by the noise that was found there.
     fn settle(&mut self) {
-        let noise: Vec<f64> = self.truth().stderr.iter().map(|s| s.iter().sum()).collect();
+        let truth = self.truth();
+        let noise: Vec<f64> =
+            truth.stderr.iter().enumerate().map(|(i, s)| truth.weight(i).sqrt() * s.iter().sum::<f64>()).collect();
         let mean = noise.iter().sum::<f64>() / noise.len().max(1) as f64;
         self.state.share =
             noise.iter().map(|s| if mean > 0.0 { (s / mean).ceil().clamp(1.0, SHARE) as u32 } else { 1 }).collect();
@@ -260,7 +273,7 @@ impl<'a> Reference<'a> {
     /// What is known so far.
     pub fn truth(&self) -> Truth {
         let unscale = self.geometry.arrives / self.geometry.emission_scale;
-        let mut truth = Truth { points: self.points.clone(), ..Truth::default() };
+        let mut truth = Truth { points: self.points.clone(), weights: self.weights.clone(), ..Truth::default() };
         for (i, spot) in self.spots.iter().enumerate() {
             let (reflectance, emission) = self.geometry.shown(self.scene, spot.tri, spot.p);
             let (sum, square) = (self.state.sum[i], self.state.square[i]);
@@ -320,6 +333,66 @@ pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<Surfac
         }
     }
     points
+}
+
+/// As [`sample_points`], half of them where light falls straight from the emitters, with what each stands for, 1 on average.
+///
+/// A lamp close by a surface puts half of its light on a patch of its own size. Of points spread over a whole room one or none
+/// meets it, and what the mean light is, and any error by it, is then chance. Here rays from the emitters end there as often as light does:
+/// a point's density is half uniform and half its direct light, which its weight 1/(1/2 + D/(2 mean D)) makes good.
+pub fn bright_points(geometry: &Geometry, count: usize, seed: u32) -> (Vec<SurfacePoint>, Vec<f64>) {
+    let judged = geometry.judged();
+    let even = sample_points(geometry, count, seed);
+    let area: f64 = (0..geometry.tris.len()).filter(|&t| judged(geometry.material_of(t))).map(|t| geometry.areas[t]).sum();
+    let spot_of = |p: &SurfacePoint| geometry.locate(p.p, p.n).map(|at| Spot { tri: at.tri, p: Vec3::from(at.p) });
+    // Where rays of the emitters end, and how many end on what is judged.
+    let landed: Vec<SurfacePoint> = (0..LANDINGS).into_par_iter().filter_map(|i| landing(geometry, &judged, i, seed)).collect();
+    if landed.is_empty() {
+        let weights = vec![1.0; even.len()];
+        return (even, weights);
+    }
+    let mean = geometry.power_density() * geometry.area * landed.len() as f64 / f64::from(LANDINGS) / area;
+    let half = count / 2;
+    let step = (landed.len() / (count - half).max(1)).max(1);
+    let points: Vec<SurfacePoint> =
+        even.into_iter().take(half).chain(landed.into_iter().step_by(step).take(count - half)).collect();
+    let mut weights: Vec<f64> = points
+        .par_iter()
+        .enumerate()
+        .map(|(i, point)| {
+            let direct = spot_of(point).map_or(0.0, |at| {
+                let all = (0..WEIGHED).map(|k| round(geometry, at.tri, at.p, seed_of(seed, i as u32), k, DIRECT).element_sum());
+                f64::from(all.sum::<f32>()) / f64::from(3 * WEIGHED)
+            });
+            1.0 / (0.5 + 0.5 * direct / mean)
+        })
+        .collect();
+    let all = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
+    weights.iter_mut().for_each(|w| *w /= all);
+    (points, weights)
+}
+
+/// Where a ray of the emitters ends, drawn by what they send; none where that is on nothing that is judged.
+fn landing(geometry: &Geometry, judged: impl Fn(&layout::Material) -> bool, i: u32, seed: u32) -> Option<SurfacePoint> {
+    if geometry.emitters.is_empty() {
+        return None;
+    }
+    let u = sobol4(i, seed_of(seed, LANDINGS));
+    let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
+    let from = geometry.emitters[e as usize].tri;
+    let tri = &geometry.tris[from as usize];
+    let (b1, b2) = place_on(geometry.flatland, place, unit(u[1]));
+    let p = position(geometry.flatland, tri, b1, b2);
+    let direction = cosine_direction(geometry.flatland, Vec3::from(tri.normal), unit(u[2]), unit(u[3]));
+    let way = follow(geometry, from, p, direction);
+    if way.kind != kind::FRONT || !judged(geometry.material_of(way.hit.tri as usize)) {
+        return None;
+    }
+    let there = &geometry.tris[way.hit.tri as usize];
+    let world = geometry.to_world(position(geometry.flatland, there, way.hit.b1, way.hit.b2).to_array());
+    let n = there.normal.map(f64::from);
+    geometry.locate(world, n).filter(|found| geometry.tris[found.tri as usize].plane == there.plane)?;
+    Some(SurfacePoint { p: world, n })
 }
 
 /// No front face in sight, back faces in a quarter of all directions: no light can come.
@@ -443,6 +516,24 @@ mod tests {
     use super::*;
     use crate::progress::Flow;
     use crate::scene::Material;
+
+    #[test]
+    fn points_where_light_falls_stand_for_less() {
+        let (scene, _) = shipped("cornell");
+        let geometry = Geometry::new(&scene).unwrap();
+        let (points, weights) = bright_points(&geometry, 2_048, 3);
+        assert_eq!((points.len(), weights.len()), (2_048, 2_048));
+        let (even, all) = (sample_points(&geometry, 2_048, 4), weights.iter().sum::<f64>());
+        // Each side of the room has its share of the weight, though the floor has far more of the points.
+        for normal in [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]] {
+            let faces = |p: &SurfacePoint| (0..3).all(|k| (p.n[k] - normal[k]).abs() < 0.1);
+            let share = points.iter().zip(&weights).filter(|(p, _)| faces(p)).map(|(_, w)| w).sum::<f64>() / all;
+            let area = even.iter().filter(|p| faces(p)).count() as f64 / 2_048.0;
+            assert!((share / area - 1.0).abs() < 0.1, "{normal:?}: {share} of the weight, {area} of the area");
+        }
+        let floor = |p: &&SurfacePoint| p.n[1] > 0.9;
+        assert!(points.iter().filter(floor).count() as f64 > 1.2 * even.iter().filter(floor).count() as f64);
+    }
 
     fn shipped(name: &str) -> (Scene, Truth) {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));

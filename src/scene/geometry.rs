@@ -485,6 +485,12 @@ impl Geometry {
         move |m| reflects(m) && (dark(m) || !any)
     }
 
+    /// The power of all emitters over the area, scaled W/m², mean over the bands.
+    pub fn power_density(&self) -> f64 {
+        let power = |e: &Emitter| self.areas[e.tri as usize] * self.mean_emission(e.tri as usize).iter().sum::<f64>() / 3.0;
+        self.emitters.iter().map(power).sum::<f64>() / self.area
+    }
+
     /// The material of a triangle.
     pub fn material_of(&self, tri: usize) -> &Material {
         &self.materials[self.tris[tri].material as usize]

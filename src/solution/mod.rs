@@ -20,7 +20,7 @@ use crate::pass::GpuEngine;
 use crate::progress::{Event, Flow, Progress};
 use crate::relight::{Change, relight};
 use crate::scene::{Geometry, Scene};
-use crate::shade::{Shade, shade};
+use crate::shade::{Shade, Whole, shade};
 use crate::twin::TwinEngine;
 use crate::twin::assign::Surface;
 use crate::twin::jacobi::System;
@@ -184,6 +184,17 @@ impl Solution {
         self.geometry.spacing(nodes)
     }
 
+    /// What the read-out knows of it as a whole.
+    pub(crate) fn whole(&self) -> Whole {
+        let light: f64 = self.light.iter().map(|l| f64::from(l.h.iter().sum::<f32>()) / 3.0).sum();
+        let usual = match self.geometry.is_surfaceless() {
+            // How much of the sky's light finds its way in is not known.
+            true => f64::INFINITY,
+            false => self.geometry.power_density() + light / self.light.len().max(1) as f64,
+        };
+        Whole { spacing: self.spacing(), usual }
+    }
+
     /// Shades points given as triangle and place, as carefully as `params` say.
     fn shade(
         &self,
@@ -201,7 +212,7 @@ impl Solution {
         ) -> Result<Vec<Shade>> {
             engine.set_surface(&s.surface)?;
             engine.set_light(&s.light)?;
-            shade(engine, params, s.spacing(), points, progress)
+            shade(engine, params, s.whole(), points, progress)
         }
         let mut progress = Progress::new(tell);
         // Where nothing reflects there is nothing to gather.

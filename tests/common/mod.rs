@@ -1,7 +1,7 @@
 //! What the test binaries share; each uses a part of it.
 #![allow(dead_code, unused_imports)]
 
-pub use raycell::accuracy::norms::{rrmse, rrmse_without};
+pub use raycell::accuracy::norms::rrmse;
 use raycell::accuracy::truth::Flag;
 use raycell::gpu::{Gpu, device};
 use raycell::scene::Geometry;
