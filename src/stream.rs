@@ -23,6 +23,7 @@ pub(crate) enum Stream {
     TestRays,
     TestHits,
     TestDirect,
+    TestLandings,
 }
 
 pub(crate) fn stream(seed: u32, which: Stream) -> u32 {

@@ -15,7 +15,7 @@ const POINTS: usize = 512;
 /// every error.
 const NOISE: f64 = 0.003;
 /// Time that a truth may take where none was asked for; `references` goes on with what there is.
-const TIME: u64 = 90;
+const TIME: u64 = 40;
 /// The shipped scenes in three dimensions with a truth.
 const SHIPPED: [&str; 6] = ["cornell", "cornell_tess", "blocker", "furnace", "corridor", "city"];
 
