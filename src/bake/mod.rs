@@ -30,12 +30,8 @@ const PAPER_NORM: &str = "the norm paper1997 loses energy: rows of the kernel su
                           bake with --norm lambert";
 
 /// What mirrors do not do.
-const OVER_MIRRORS: &str = "light of the sky and of lights without a surface is not followed over mirrors: what mirrors cast of it is missing; \
-                            make lamps of surfaces where that matters";
-
-/// What the medium does not do.
-const THROUGH_MEDIUM: &str = "light of the sky and of lights without a surface is not absorbed on its way to the first surface, only from \
-                              there on: it arrives as through clear air; leave the medium out, or make lamps of surfaces, where that matters";
+const OVER_MIRRORS: &str = "light of suns, points and spots is not followed over mirrors: what mirrors cast of it is missing; make lamps of \
+                            surfaces, or a sun a bright disc in a map of the sky, where that matters";
 
 /// Wall time a stage, added up, and what else the engine tells of itself.
 #[derive(Default)]
@@ -122,11 +118,8 @@ impl<'a> Prepared<'a> {
         if params.norm == Norm::Paper1997 {
             warnings.push(PAPER_NORM.into());
         }
-        if geometry.is_surfaceless() && geometry.mirrors {
+        if !geometry.lights.is_empty() && geometry.mirrors {
             warnings.push(OVER_MIRRORS.into());
-        }
-        if geometry.is_surfaceless() && geometry.sigma > 0.0 {
-            warnings.push(THROUGH_MEDIUM.into());
         }
         for warning in &warnings {
             progress.event(Event::Warning(warning.clone()))?;

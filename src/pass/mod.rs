@@ -77,9 +77,10 @@ pub fn variants() -> Vec<Kernel> {
     let lit = [(true, false, false), (true, true, false), (false, false, true), (true, true, true)];
     let lit = lit.map(|(environment, environment_map, lights)| Called { environment, environment_map, lights, ..none });
     let flat = Called { flatland: true, environment: true, ..none };
+    let [over, through] = [Called { mirrors: true, ..lit[0] }, Called { sigma: 0.5, ..lit[3] }];
     // All effects of light and of surfaces at once.
     let all = Called { mirrors: true, sigma: 0.5, textures: true, cutouts: true, ..lit[3] };
-    let lit = lit.into_iter().chain([flat, all]).map(|called| direct::KERNEL.with(constants(&called)));
+    let lit = lit.into_iter().chain([flat, over, through, all]).map(|called| direct::KERNEL.with(constants(&called)));
     let spaces = each.into_iter().flat_map(|flatland| each.map(|occlusion| (flatland, occlusion)));
     let ways = [(false, 0.0), (true, 0.0), (false, 0.5), (true, 0.5)];
     let call = |(flatland, occlusion)| ways.map(move |(mirrors, sigma)| Called { flatland, occlusion, mirrors, sigma, ..none });

@@ -3,12 +3,14 @@
 //! A sun of irradiance E is drawn from its disc as seen along its axis, so that a place that sees all of it gets
 //! E cos without noise where it faces it: its radiance is E/(pi sin^2 a), the density cos/(pi sin^2 a) about the axis. Points and spots
 //! bring I cos/r^2, spots times their falloff. Where they are more than [`FEW`], a round asks as many by what each would bring.
+//! Mirrors do not send it on; a medium takes of it on its way through the scene's bounding box.
 
 use super::direct::Samples;
 use super::math::{cos_sin_turn, seed_of, tangents, unit};
 use super::sky::from_sky;
 use super::sobol::sobol4;
 use super::trace::ray_blocked;
+use super::way::from_without;
 use crate::layout::Lamp;
 use crate::scene::Geometry;
 use glam::Vec3;
@@ -90,7 +92,7 @@ pub fn from_lights(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
             let u = sobol4(k, seed_of(seed, i));
             let (direction, light) = from_sun(sun, n, unit(u[0]), unit(u[1]));
             if light != Vec3::ZERO && !ray_blocked(geometry, p, direction, f32::MAX, here.plane) {
-                sum += light * (1.0 / rays as f32);
+                sum += light * (from_without(geometry, p, direction, f32::MAX) / rays as f32);
             }
         }
     }
@@ -118,7 +120,8 @@ pub fn from_lights(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
             share = times * step / brings;
         }
         if share > 0.0 && !ray_blocked(geometry, p, way, 1.0, here.plane) {
-            sum += light * share;
+            let r = way.dot(way).sqrt();
+            sum += light * (share * from_without(geometry, p, way * (1.0 / r), r));
         }
     }
     sum
