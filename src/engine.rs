@@ -6,7 +6,7 @@ use crate::gpu::Gpu;
 use crate::layout::{CellSums, DirectSum, NodeLight, NodeSource, Point, Psi, Tile};
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
-use crate::twin::direct::Samples;
+use crate::twin::direct::{DirectRays, Samples};
 use crate::twin::gather::Gathered;
 use crate::twin::jacobi::System;
 use crate::twin::respond::Responder;
@@ -140,9 +140,8 @@ pub trait Engine: Responder {
     fn has_mirrors(&self) -> bool;
     /// Seconds spent compiling kernels so far.
     fn compile_seconds(&self) -> f64;
-    /// Lines of sight to emitters that have been walked so far; those that carry no light are counted, too.
-    fn shadow_rays(&self) -> u64;
-
+    /// Rays of direct light so far; those that carry no light are counted, too.
+    fn direct_rays(&self) -> DirectRays;
     /// Bytes that the sweeps of [`Engine::jacobi`] have moved once for each colour band, or for all of them.
     fn band_bytes(&self) -> u64;
     /// Bytes that live on the machine now (the host's own memory for the twin).

@@ -1,5 +1,6 @@
 //! How a bake tells what it is doing. The library never prints: a caller's closure gets [`Event`]s.
 
+use crate::effects::Name;
 use crate::error::{Error, Result};
 
 /// What happened.
@@ -52,6 +53,13 @@ pub enum Event {
         low: f64,
         /// Upper end.
         high: f64,
+    },
+    /// A part of a read-out is done.
+    Spent {
+        /// The effect that it was for.
+        effect: Name,
+        /// Wall time, without kernels being compiled.
+        seconds: f64,
     },
     /// Something the user should know.
     Warning(String),

@@ -1,15 +1,17 @@
 //! The read-out: radiosity at any surface points from a solved network (design §1, step 8). Like
 //! [`mod@crate::bake`], this file knows an order of passes, and nothing of how they run.
 
+use crate::effects::{Name, Spent};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point, Psi, kind};
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::stream::{Stream, stream};
-use crate::twin::direct::Samples;
+use crate::twin::direct::{DirectRays, Samples};
 use crate::twin::gather::Gathered;
 use crate::twin::math::seed_of;
+use std::time::Instant;
 
 /// Points in flight.
 const CHUNK: usize = 32_768;
@@ -101,6 +103,7 @@ fn shade_chunk<E: Engine>(
     progress: &mut Progress,
 ) -> Result<Vec<Shade>> {
     let (exact, spacing) = (params.direct == Direct::Exact, whole.spacing);
+    let mut watch = Watch::start(engine);
     let mut batch = engine.upload(points)?;
 
     // The network's light.
@@ -108,7 +111,7 @@ fn shade_chunk<E: Engine>(
     engine.readout(&mut batch)?;
     let network = engine.irradiance(&batch)?;
     let psi = engine.psi(&batch)?;
-    progress.tick()?;
+    watch.of_network(engine, progress)?;
 
     // Exact direct light, as many rounds as its scatter asks for.
     let direct = if exact {
@@ -117,6 +120,7 @@ fn shade_chunk<E: Engine>(
     } else {
         vec![DirectSum::default(); points.len()]
     };
+    watch.of_direct(engine, progress)?;
 
     // Look around: who sits in a slot?
     let gathers = gathers(params);
@@ -141,6 +145,8 @@ fn shade_chunk<E: Engine>(
         }
         shades.push(Shade { direct: direct[i], irradiance, covered: covered[i] });
     }
+
+    watch.of_network(engine, progress)?;
 
     // Final gather where the network is not fine enough.
     let rays = params.gather_rays;
@@ -177,7 +183,53 @@ fn shade_chunk<E: Engine>(
             s.irradiance = [0, 1, 2].map(|b| s.direct[b] + gathered[k].irradiance[b] as f64);
         }
     }
+    watch.of_gather(engine, wanted.len() as u64 * u64::from(rays), progress)?;
     Ok(shades)
+}
+
+/// Tells what parts of a read-out take. Each part ends with something read back.
+struct Watch {
+    start: Instant,
+    compiled: f64,
+    rays: DirectRays,
+}
+
+impl Watch {
+    fn start<E: Engine>(engine: &E) -> Watch {
+        Watch { start: Instant::now(), compiled: engine.compile_seconds(), rays: engine.direct_rays() }
+    }
+
+    /// Seconds and rays of the part that ends here.
+    fn lap<E: Engine>(&mut self, engine: &E) -> (f64, DirectRays) {
+        let now = Watch::start(engine);
+        let seconds = (now.start - self.start).as_secs_f64() - (now.compiled - self.compiled);
+        let rays = now.rays.since(&self.rays);
+        *self = now;
+        (seconds.max(0.0), rays)
+    }
+
+    fn tell(spent: &Spent, progress: &mut Progress) -> Result<()> {
+        spent.parts().try_for_each(|(effect, seconds)| progress.event(Event::Spent { effect, seconds }))
+    }
+
+    /// The network's light, and whether it will do.
+    fn of_network<E: Engine>(&mut self, engine: &E, progress: &mut Progress) -> Result<()> {
+        let mut spent = Spent::default();
+        spent.add(Name::Interreflection, self.lap(engine).0);
+        Watch::tell(&spent, progress)
+    }
+
+    fn of_direct<E: Engine>(&mut self, engine: &E, progress: &mut Progress) -> Result<()> {
+        let (mut spent, (seconds, rays)) = (Spent::default(), self.lap(engine));
+        spent.add_direct(seconds, &rays);
+        Watch::tell(&spent, progress)
+    }
+
+    fn of_gather<E: Engine>(&mut self, engine: &E, shot: u64, progress: &mut Progress) -> Result<()> {
+        let (mut spent, (seconds, rays)) = (Spent::default(), self.lap(engine));
+        spent.add_gather(seconds, shot, &rays);
+        Watch::tell(&spent, progress)
+    }
 }
 
 /// Finds the light at the hits of gather rays: the nodes', and direct light where that is exact.

@@ -438,8 +438,8 @@ fn path(geometry: &Geometry, from: Spot, u: [u32; 4], mut random: Random) -> Vec
         let way = follow(geometry, at.tri, at.p, direction);
         let hit = way.hit;
         // The start's direct light is sampled apart.
-        if way.kind == kind::SKY && reflections > 0 && !geometry.sky.is_empty() && way.mirrors == 0 {
-            light += through * way.share * sky::from_direction(geometry, n, direction, sky_end(geometry));
+        if way.kind == kind::SKY && reflections > 0 && !geometry.sky.is_empty() {
+            light += through * sky::from_way(geometry, n, &way, sky_end(geometry));
         }
         if way.kind != kind::FRONT {
             break;

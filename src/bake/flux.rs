@@ -140,7 +140,7 @@ pub(super) fn account<E: Engine>(
     saved.network.direct = Vec::new();
     clock.compile = Some(engine.compile_seconds());
     clock.device_bytes = Some(engine.device_bytes());
-    clock.shadow_rays = Some(engine.shadow_rays());
+    clock.direct_rays = Some(engine.direct_rays());
     clock.band_bytes = Some(engine.band_bytes());
     saved.keep(progress)
 }

@@ -10,7 +10,7 @@ mod rays;
 use crate::accuracy::estimate;
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
-use crate::effects;
+use crate::effects::{self, Spent, spend};
 use crate::engine::{Backend, Engine};
 use crate::error::Result;
 use crate::output::report::EffectReport;
@@ -20,6 +20,7 @@ use crate::progress::{Event, Flow, Progress};
 use crate::scene::{Geometry, Scene};
 use crate::solution::Solution;
 use crate::twin::TwinEngine;
+use crate::twin::direct::DirectRays;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -29,20 +30,18 @@ const PAPER_NORM: &str = "the norm paper1997 loses energy: rows of the kernel su
                           bake with --norm lambert";
 
 /// What mirrors do not do.
-const OVER_MIRRORS: &str = "light of the sky and of lights without a surface is not followed over mirrors: what mirrors cast of it is missing; \
-                            make lamps of surfaces where that matters";
-
-/// What the medium does not do.
-const THROUGH_MEDIUM: &str = "light of the sky and of lights without a surface is not absorbed on its way to the first surface, only from \
-                              there on: it arrives as through clear air; leave the medium out, or make lamps of surfaces, where that matters";
+const OVER_MIRRORS: &str = "light of suns, points and spots is not followed over mirrors: what mirrors cast of it is missing; make lamps of \
+                            surfaces, or a sun a bright disc in a map of the sky, where that matters";
 
 /// Wall time a stage, added up, and what else the engine tells of itself.
 #[derive(Default)]
 pub(crate) struct Clock {
     pub seconds: BTreeMap<&'static str, f64>,
+    /// The same less what kernels' compiling took of it.
+    warm: BTreeMap<&'static str, f64>,
     pub compile: Option<f64>,
     pub device_bytes: Option<u64>,
-    pub shadow_rays: Option<u64>,
+    pub direct_rays: Option<DirectRays>,
     pub band_bytes: Option<u64>,
 }
 
@@ -54,10 +53,12 @@ impl Clock {
         name: &'static str,
         work: impl FnOnce(&mut E) -> Result<T>,
     ) -> Result<T> {
-        let start = Instant::now();
+        let (start, compiled) = (Instant::now(), engine.compile_seconds());
         let out = work(engine)?;
         engine.finish()?;
-        *self.seconds.entry(name).or_default() += start.elapsed().as_secs_f64();
+        let seconds = start.elapsed().as_secs_f64();
+        *self.seconds.entry(name).or_default() += seconds;
+        *self.warm.entry(name).or_default() += (seconds - (engine.compile_seconds() - compiled)).max(0.0);
         Ok(out)
     }
 
@@ -98,6 +99,8 @@ pub(crate) struct Prepared<'a> {
     geometry: Geometry,
     warnings: Vec<String>,
     effects: Vec<EffectReport>,
+    /// Share of rays that meet a mirror.
+    mirrored: f64,
     /// Seconds that it took.
     seconds: f64,
 }
@@ -115,17 +118,14 @@ impl<'a> Prepared<'a> {
         if params.norm == Norm::Paper1997 {
             warnings.push(PAPER_NORM.into());
         }
-        if geometry.is_surfaceless() && geometry.mirrors {
+        if !geometry.lights.is_empty() && geometry.mirrors {
             warnings.push(OVER_MIRRORS.into());
-        }
-        if geometry.is_surfaceless() && geometry.sigma > 0.0 {
-            warnings.push(THROUGH_MEDIUM.into());
         }
         for warning in &warnings {
             progress.event(Event::Warning(warning.clone()))?;
         }
-        let effects = effects::of(scene, &geometry);
-        Ok(Prepared { scene, geometry, warnings, effects, seconds })
+        let (effects, mirrored) = effects::of(scene, &geometry);
+        Ok(Prepared { scene, geometry, warnings, effects, mirrored, seconds })
     }
 }
 
@@ -138,7 +138,7 @@ pub(crate) fn bake_prepared(
     progress: &mut dyn FnMut(&Event) -> Flow,
 ) -> Result<Solution> {
     params.check()?;
-    let Prepared { scene, geometry, warnings, effects, seconds: bvh } = prepared;
+    let Prepared { scene, geometry, warnings, effects, mirrored, seconds: bvh } = prepared;
     let mut progress = Progress::new(progress);
     let start = Instant::now();
     let resumed = !saved.is_empty();
@@ -158,7 +158,9 @@ pub(crate) fn bake_prepared(
     // Training is everything up to the winners; its parts are told beside it.
     let train: f64 = ["train", "emit", "nodes", "assign", "grow", "winner"].iter().filter_map(|s| clock.get(s)).sum();
     let report = solution.report_mut();
-    report.effects = Some(effects.clone());
+    let mut effects = effects.clone();
+    spend(&mut effects, Spent::of_stages(&clock.warm, &clock.direct_rays.unwrap_or_default(), *mirrored).parts());
+    report.effects = Some(effects);
     report.memory_bytes.device = clock.device_bytes;
     let seconds = &mut report.seconds;
     seconds.bvh = Some(*bvh);
@@ -178,7 +180,7 @@ pub(crate) fn bake_prepared(
         ("dropped_coefficient_mass", serde_json::json!(net.coefficients.as_ref().map(|c| c.dropped))),
         ("planar_pieces", serde_json::json!(geometry.pieces)),
         ("emission_scale", serde_json::json!(geometry.emission_scale)),
-        ("shadow_rays", serde_json::json!(clock.shadow_rays)),
+        ("shadow_rays", serde_json::json!(clock.direct_rays.map(|rays| rays.shadow()))),
         ("solve_band_bytes", serde_json::json!(clock.band_bytes)),
         ("stages", serde_json::json!(clock.seconds)),
         ("learned", serde_json::json!(saved.learned)),

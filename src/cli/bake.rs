@@ -159,7 +159,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
         wrote("solution.rcell", "");
         let report = solution.report_mut();
         fill(report);
-        report.seconds.readout = Some(shown.readout.as_secs_f64());
+        shown.tell(report);
         if report.target.as_ref().is_some_and(|target| target.rungs.is_empty()) {
             // Nothing was baked: what the bake took was told then.
             kept::recall(report, dir);

@@ -15,7 +15,10 @@ Examples:
   raycell explain room.obj
       A line an effect: whether the scene calls for it, and on what evidence.
   raycell explain room.obj --after out
-      The same, and what a bake in out spent its time on.";
+      The same, and the three effects that a bake in out spent most of its time on.";
+
+/// Effects that are named by what they took.
+const DEAREST: usize = 3;
 
 #[derive(Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -24,7 +27,9 @@ pub struct Flags {
     pub scene: PathBuf,
     #[command(flatten)]
     pub reading: Reading,
-    /// Folder of a bake of it: also say what its time went into.
+    /// Folder of a bake of it: also name the three effects that took most of its time.
+    ///
+    /// With --json all of them; docs/effects.md says how time is divided.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub after: Option<PathBuf>,
 }
@@ -53,9 +58,12 @@ pub fn run(flags: Flags) -> Result<Done> {
     let mut object = json!({"command": "explain", "scene": scene.name, "effects": effects});
     if let Some(report) = report {
         let shares = effects::after(&report);
-        let words: Vec<_> = shares.iter().take(3).map(|(name, share)| format!("{name} {:.0} %", 100.0 * share)).collect();
-        text += &format!("the bake took {:.1} s: {}\n", report.seconds.total.unwrap_or_default(), words.join(", "));
-        object["time"] = shares.iter().map(|(name, share)| json!({"what": name, "share": share})).collect();
+        let words: Vec<_> = shares.iter().take(DEAREST).map(|(name, share)| format!("{name} {:.0} %", 100.0 * share)).collect();
+        if let Some(total) = report.seconds.total {
+            let rest = 100.0 * (1.0 - shares.iter().map(|(_, share)| share).sum::<f64>());
+            text += &format!("the bake took {total:.1} s, most of it for {}; {rest:.0} % were for no effect\n", words.join(", "));
+        }
+        object["time"] = shares.iter().map(|(name, share)| json!({"effect": name, "share": share})).collect();
     }
     Ok(Done::new(object).text(text))
 }

@@ -77,7 +77,7 @@ impl Log {
                     Some(format!("estimated error {:.2} % ({:.2} to {:.2} %)", 100.0 * rrmse, 100.0 * low, 100.0 * high));
             }
             Event::Warning(text) => self.warning(text),
-            Event::Tick => {}
+            Event::Spent { .. } | Event::Tick => {}
         }
     }
 

@@ -142,7 +142,7 @@ pub fn run(flags: Flags, console: &Console) -> std::result::Result<Done, Failure
     report.seconds.load = Some(load.as_secs_f64());
     report.seconds.open = Some(opening.as_secs_f64());
     report.seconds.compile = Some(machine.backend.compile_seconds());
-    report.seconds.readout = Some(shown.readout.as_secs_f64());
+    shown.tell(report);
     report.seconds.total = Some(begin.elapsed().as_secs_f64());
     if let Some(told) = &mut report.relit {
         told.from = Some(flags.solution.display().to_string());

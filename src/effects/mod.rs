@@ -10,13 +10,16 @@ mod maps;
 mod names;
 mod occlusion;
 mod switches;
+mod time;
 mod way;
 
 pub use names::Name;
 pub use switches::{Switches, drop_below};
+pub use time::after;
+pub(crate) use time::{Spent, spend};
 
 use crate::error::Result;
-use crate::output::report::{EffectReport, Report};
+use crate::output::report::EffectReport;
 use crate::scene::{Geometry, Scene};
 use light::Look;
 
@@ -27,13 +30,13 @@ pub(crate) const NONE: &str = "the scene asks for none";
 ///
 /// Errors: those of [`Geometry::new`]: [`Scene::check`]'s, and [`crate::Error::EmptyScene`].
 pub fn analyse(scene: &Scene) -> Result<Vec<EffectReport>> {
-    Ok(of(scene, &Geometry::new(scene)?))
+    Ok(of(scene, &Geometry::new(scene)?).0)
 }
 
-/// As [`analyse`], of a scene that is prepared.
-pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
+/// As [`analyse`], of a scene that is prepared; and the share of rays from surfaces that meet a mirror.
+pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> (Vec<EffectReport>, f64) {
     let look = Look::at(geometry);
-    Name::ALL
+    let effects = Name::ALL
         .iter()
         .map(|&name| match name {
             _ if scene.effects.asked(name) == Some(false) => asked_off(name),
@@ -50,27 +53,12 @@ pub(crate) fn of(scene: &Scene, geometry: &Geometry) -> Vec<EffectReport> {
             Name::Transparency => maps::transparency(scene, geometry),
             Name::Medium => way::medium(scene, geometry, &look),
         })
-        .collect()
-}
-
-/// What a bake spent its time on, as shares of it, the largest first; empty where its time is not known.
-pub fn after(report: &Report) -> Vec<(&'static str, f64)> {
-    let s = &report.seconds;
-    let Some(total) = s.total.filter(|&t| t > 0.0) else { return Vec::new() };
-    let sum = |parts: &[Option<f64>]| parts.iter().flatten().sum::<f64>() / total;
-    let mut shares = vec![
-        ("interreflection", sum(&[s.train, s.coefficients, s.solve])),
-        ("direct", sum(&[s.direct])),
-        ("read-out (direct light, final gathers)", sum(&[s.readout])),
-        ("start (reading, hierarchy, kernels)", sum(&[s.load, s.bvh, s.compile])),
-    ];
-    shares.retain(|(_, share)| *share > 0.0);
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
-    shares
+        .collect();
+    (effects, look.over_mirrors)
 }
 
 fn told(name: Name, on: bool, why: String, cost: &str) -> EffectReport {
-    EffectReport { name: name.word().into(), on, why, cost: cost.into(), share: None }
+    EffectReport { name: name.word().into(), on, why, cost: cost.into(), ..EffectReport::default() }
 }
 
 /// The same with its part of the light.

@@ -100,6 +100,9 @@ pub struct EffectReport {
     /// Its part of the light, estimated from a few thousand paths; none where it was not estimated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
+    /// Wall time that it took, read-outs included and kernels' compiling not; none where it took none or cannot be told apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
 }
 
 /// Wall time of the stages, seconds; null where a stage was not run or not measured.

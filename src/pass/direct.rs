@@ -67,7 +67,8 @@ pub fn direct(
     sums: &GpuVec<DirectSum>,
 ) -> Result<()> {
     let (emitter, cosine) = (samples.emitter, samples.cosine);
-    let more = scene.surfaceless.rays(samples) + scene.surfaceless.count() / LIGHTS_A_RAY;
+    let more = scene.sources.rays(samples);
+    let more = (more.sky + more.lights) as u32 + scene.sources.lights() / LIGHTS_A_RAY;
     let rays = (emitter + cosine + more).max(1);
     let [sky, lights] = scene.surfaceless.bound();
     let buffers = [

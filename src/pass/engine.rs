@@ -10,7 +10,7 @@ use crate::layout::{CellSums, DirectSum, NONE, NodeLight, NodeSource, Point, Psi
 use crate::scene::{Called, Geometry};
 use crate::twin::assign::Surface;
 use crate::twin::coefficients::Sums;
-use crate::twin::direct::Samples;
+use crate::twin::direct::{DirectRays, Samples};
 use crate::twin::gather::Gathered;
 use crate::twin::jacobi::System;
 use crate::twin::respond::{Net, Responder};
@@ -25,9 +25,8 @@ pub struct GpuEngine<'a> {
     surface: SurfaceBuffers,
     light: GpuVec<NodeLight>,
     system: SystemBuffers,
-    /// Whether shadow rays are cast, and how many were.
-    occludes: bool,
-    shadow_rays: u64,
+    /// Rays of direct light so far.
+    direct_rays: DirectRays,
     mirrors: bool,
     /// Bytes of colour bands that sweeps have moved.
     band_bytes: u64,
@@ -62,8 +61,7 @@ impl<'a> GpuEngine<'a> {
             light: gpu.alloc("light", 0)?,
             system: SystemBuffers::new(gpu, &System::default(), false)?,
             mirrors: geometry.mirrors,
-            occludes: geometry.occludes && !geometry.emitters.is_empty(),
-            shadow_rays: 0,
+            direct_rays: DirectRays::default(),
             band_bytes: 0,
             grey: Called::by(geometry).grey,
         })
@@ -178,9 +176,7 @@ impl Engine for GpuEngine<'_> {
             Some(active) => self.gpu.upload("active", active)?,
             None => self.order(batch)?,
         };
-        let to_emitters = if self.occludes { samples.emitter } else { 0 };
-        let shadow_rays = u64::from(to_emitters + self.scene.surfaceless.rays(samples));
-        self.shadow_rays += active.len() as u64 * u64::from(rounds) * shadow_rays;
+        self.direct_rays.add(&self.scene.sources.rays(samples), active.len() as u64 * u64::from(rounds));
         super::direct::direct(self.gpu, &self.scene, &batch.points, &active, seed, first, rounds, samples, &batch.direct)
     }
 
@@ -333,8 +329,8 @@ impl Engine for GpuEngine<'_> {
         self.gpu.compiled()
     }
 
-    fn shadow_rays(&self) -> u64 {
-        self.shadow_rays
+    fn direct_rays(&self) -> DirectRays {
+        self.direct_rays
     }
 
     fn band_bytes(&self) -> u64 {

@@ -25,10 +25,9 @@ pub use engine::GpuEngine;
 use crate::error::{Error, Result};
 use crate::gpu::{Access, Bound, Constants, Gpu, GpuVec, Kernel, Records, sentinel};
 use crate::layout::{BvhNode, Candidate, Emitter, Material, Node, Tri};
-use crate::scene::{Called, Geometry, Lights, Scene, depth};
+use crate::scene::{Called, Geometry, Scene, depth};
 use crate::twin::assign::Surface;
-use crate::twin::direct::Samples;
-use crate::twin::lights;
+use crate::twin::direct::Sources;
 use crate::twin::trace::STACK;
 
 /// The kernels that bakes and read-outs use in any space, with the sentinel that comes first.
@@ -78,9 +77,10 @@ pub fn variants() -> Vec<Kernel> {
     let lit = [(true, false, false), (true, true, false), (false, false, true), (true, true, true)];
     let lit = lit.map(|(environment, environment_map, lights)| Called { environment, environment_map, lights, ..none });
     let flat = Called { flatland: true, environment: true, ..none };
+    let [over, through] = [Called { mirrors: true, ..lit[0] }, Called { sigma: 0.5, ..lit[3] }];
     // All effects of light and of surfaces at once.
     let all = Called { mirrors: true, sigma: 0.5, textures: true, cutouts: true, ..lit[3] };
-    let lit = lit.into_iter().chain([flat, all]).map(|called| direct::KERNEL.with(constants(&called)));
+    let lit = lit.into_iter().chain([flat, over, through, all]).map(|called| direct::KERNEL.with(constants(&called)));
     let spaces = each.into_iter().flat_map(|flatland| each.map(|occlusion| (flatland, occlusion)));
     let ways = [(false, 0.0), (true, 0.0), (false, 0.5), (true, 0.5)];
     let call = |(flatland, occlusion)| ways.map(move |(mirrors, sigma)| Called { flatland, occlusion, mirrors, sigma, ..none });
@@ -143,6 +143,8 @@ pub struct SceneBuffers {
     pub emitter_density: f32,
     /// Lights without a surface, and the sky.
     pub(crate) surfaceless: Surfaceless,
+    /// What tells how many rays a round of direct light takes.
+    pub(crate) sources: Sources,
     /// Triangle of each tile.
     pub tile_tri: GpuVec<u32>,
     /// Maps of the triangles, where there are any.
@@ -169,6 +171,7 @@ impl SceneBuffers {
             emitters: gpu.upload("emitters", &geometry.emitters)?,
             emitter_density: geometry.emitter_density,
             surfaceless: Surfaceless::new(gpu, geometry)?,
+            sources: Sources::of(geometry),
             tile_tri: gpu.upload("tile_tri", &geometry.tile_tri)?,
             texels: (!geometry.texels.is_empty()).then(|| Records::page(gpu, "texels", &geometry.texels)).transpose()?,
             constants: constants(&Called::by(geometry)),
@@ -203,8 +206,6 @@ impl SceneBuffers {
 pub(crate) struct Surfaceless {
     sky: Option<Records<[u32; 4]>>,
     lights: Option<Records<[u32; 4]>>,
-    /// The lights once more, and what sort of sky there is: they tell how many rays a round takes.
-    known: (Lights, Option<bool>),
 }
 
 impl Surfaceless {
@@ -213,26 +214,12 @@ impl Surfaceless {
         let mut texels = vec![[lights.suns, lights.all.len() as u32, 0, 0]];
         texels.extend_from_slice(bytemuck::cast_slice(&lights.all));
         let page = |label, texels: &[[u32; 4]], is: bool| is.then(|| Records::page(gpu, label, texels)).transpose();
-        Ok(Surfaceless {
-            sky: page("sky", &sky.texels, !sky.is_empty())?,
-            lights: page("lights", &texels, !lights.is_empty())?,
-            known: (lights.clone(), sky.mapped()),
-        })
+        Ok(Surfaceless { sky: page("sky", &sky.texels, !sky.is_empty())?, lights: page("lights", &texels, !lights.is_empty())? })
     }
 
     /// What `direct` binds: the sky, and the lights.
     fn bound(&self) -> [Bound; 2] {
         [&self.sky, &self.lights].map(|records| records.as_ref().map_or(Bound::Absent, Records::bound))
-    }
-
-    /// Shadow rays of a round at a point.
-    pub fn rays(&self, samples: Samples) -> u32 {
-        lights::shadow_rays(&self.known.0, self.known.1, samples)
-    }
-
-    /// Lights that a round looks at.
-    fn count(&self) -> u32 {
-        self.known.0.all.len() as u32
     }
 }
 

@@ -47,7 +47,7 @@ pub fn watts(geometry: &Geometry, power: [f64; 3]) -> [f64; 3] {
 /// Follows every watt: light from emitters by rays of their own, reflected light by the network's rays.
 ///
 /// emitted = absorbed + escaped holds only if D, H and the rays agree, so the imbalance is a check. Of lights without a
-/// surface, and of the sky, what arrives on front faces counts as emitted; where the rest goes is no matter of the scene.
+/// surface, and of the sky, what arrives on front faces that are no mirrors counts as emitted; where the rest goes is no matter of the scene.
 /// Back faces and black surfaces absorb what meets them, mirrors and the medium what they take on the way: both are counted
 /// among what is absorbed, and by themselves.
 pub fn account<E: Engine>(
@@ -167,7 +167,11 @@ fn surfaceless(geometry: &Geometry, seed: u32, rays: u32) -> [[f64; 3]; 2] {
     let even = distribution(geometry, &vec![1.0 / whole; geometry.tiles as usize]);
     let points = drawn(geometry, &even, seed, LOOKS.min(rays));
     let found: Vec<Vec3> = (points.par_iter().enumerate())
-        .map(|(i, y)| lights::surfaceless(geometry, y.tri, Vec3::from(y.p), seed_of(seed, i as u32), 0, LOOK))
+        .map(|(i, y)| match geometry.tris[y.tri as usize].mirror() > 0.0 {
+            // What comes over a mirror is counted where it arrives.
+            true => Vec3::ZERO,
+            false => lights::surfaceless(geometry, y.tri, Vec3::from(y.p), seed_of(seed, i as u32), 0, LOOK),
+        })
         .collect();
     let mut sums = [[0.0; 3]; 2];
     for (y, light) in points.iter().zip(found) {

@@ -134,7 +134,7 @@ pub(crate) fn relight(
         solver: relit.solver.clone(),
         energy: energy_of(from, &geometry, factors),
         seconds: Seconds { bvh: Some(bvh), ..Seconds::default() },
-        effects: Some(effects::of(&scene, &geometry)),
+        effects: Some(effects::of(&scene, &geometry).0),
         warnings,
         adapter: None,
         target: None,

@@ -12,12 +12,15 @@ use crate::radiosity::refined::{Light, narrow, wide};
 use crate::radiosity::solver::{self, Solved};
 use crate::scene::{Geometry, Scene};
 use crate::solution::Baked;
+use crate::twin::TwinEngine;
 use crate::twin::assign::Surface;
 use crate::twin::jacobi::System;
 use glam::DVec3;
 
 /// Solves until the combination of known light fits what it makes.
 const ROUNDS: u32 = 2;
+/// Links up to which sweeps take the host less than a device's dispatches.
+const FEW_LINKS: usize = 1 << 20;
 
 /// New light on the nodes, and what is known of it.
 pub(super) struct Relit {
@@ -100,10 +103,14 @@ impl Job<'_> {
         };
         let mut solved = Solved::default();
         let mut round = (*system).clone();
+        let few = system.cell_links.len() + system.node_links.len() <= FEW_LINKS;
         for _ in 0..ROUNDS {
             let missed = known.missed(&known.mix(&sent(&light)));
             round.node_source = sum(&first, &missed, 1.0).iter().map(narrow).collect();
-            (light, solved) = solver::solve(now, after, &round, params, None, progress, self.scene)?;
+            (light, solved) = match few {
+                true => solver::solve(&mut TwinEngine::new(after), after, &round, params, None, progress, self.scene)?,
+                false => solver::solve(now, after, &round, params, None, progress, self.scene)?,
+            };
         }
 
         // What is new about it.

@@ -8,7 +8,7 @@ use crate::params::Params;
 use crate::progress::{Event, Flow};
 use crate::scene::{Geometry, Scene};
 use crate::twin::lights;
-use crate::twin::trace::{Ray, barycentric, occluded, surface_point};
+use crate::twin::trace::{barycentric, surface_point};
 use crate::twin::way::{Way, along, way_in};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -168,7 +168,7 @@ impl Solution {
         Ok(Image { width: camera.width, height: camera.height, rgb })
     }
 
-    /// Radiance at a pixel whose ray meets no front face: the sky's, where nothing is in its way. Flatland has none above its plane.
+    /// Radiance at a pixel whose ray meets no front face: the sky's, also in mirrors, where nothing is in its way. Flatland has none above its plane.
     fn behind(&self, camera: &Camera, pixel: u32) -> Result<[f32; 3]> {
         let geometry = &self.geometry;
         if geometry.flatland || !geometry.is_surfaceless() {
@@ -177,11 +177,14 @@ impl Solution {
         let direction =
             DVec3::from_array(camera.direction(pixel % camera.width, pixel / camera.width)).normalize_or_zero().as_vec3();
         let origin = DVec3::from_array(geometry.to_local(camera.eye)).as_vec3();
-        if occluded(geometry, &Ray { origin, direction, t_max: f32::MAX, skip: [NONE; 2] }) {
+        let start = if geometry.sigma > 0.0 { origin + direction * way_in(geometry, origin, direction) } else { origin };
+        let way = along(geometry, NONE, start, direction);
+        if way.kind != kind::SKY {
             return Ok([0.0; 3]);
         }
         let (x, y) = (pixel % camera.width, pixel / camera.width);
-        let wide = lights::radiance(geometry, direction).map(|l| l / geometry.emission_scale);
+        let unscale = f64::from(way.share) / geometry.emission_scale;
+        let wide = lights::radiance(geometry, way.direction).map(|l| l * unscale);
         narrow(wide, || format!("the sky at pixel {x},{y}"))
     }
 }

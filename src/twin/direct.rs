@@ -6,8 +6,9 @@
 //! hardly ever meet one, and none are shot: n_c is 0, and a sample counts at most [`FAR`] E / n_e. In scenes with mirrors they
 //! always are, as light over mirrors comes from them alone.
 
-use super::lights::surfaceless;
+use super::lights::{self, surfaceless};
 use super::math::{cosine_direction, geometric, invert_cdf, kernel_g, seed_of, unit};
+use super::sky;
 use super::sobol::sobol4;
 use super::texture;
 use super::trace::{Hit, place_on, position, segment_blocked};
@@ -25,6 +26,96 @@ pub struct Samples {
     pub emitter: u32,
     /// Cosine-distributed directions.
     pub cosine: u32,
+}
+
+/// Rays of direct light by what they are for; those that carry no light count, too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DirectRays {
+    /// Samples of the emitters' area.
+    pub samples: u64,
+    /// Lines of sight to them that are walked.
+    pub lines: u64,
+    /// Cosine directions that are shot because there are mirrors.
+    pub directions: u64,
+    /// Lines of sight to the sky.
+    pub sky: u64,
+    /// Lines of sight to lights without a surface.
+    pub lights: u64,
+}
+
+impl DirectRays {
+    /// Adds `times` such rays.
+    pub fn add(&mut self, rays: &DirectRays, times: u64) {
+        self.samples += times * rays.samples;
+        self.lines += times * rays.lines;
+        self.directions += times * rays.directions;
+        self.sky += times * rays.sky;
+        self.lights += times * rays.lights;
+    }
+
+    /// Those since `earlier`.
+    pub fn since(&self, earlier: &DirectRays) -> DirectRays {
+        DirectRays {
+            samples: self.samples - earlier.samples,
+            lines: self.lines - earlier.lines,
+            directions: self.directions - earlier.directions,
+            sky: self.sky - earlier.sky,
+            lights: self.lights - earlier.lights,
+        }
+    }
+
+    /// Lines of sight that are walked.
+    pub fn shadow(&self) -> u64 {
+        self.lines + self.sky + self.lights
+    }
+}
+
+/// What shines in a scene, as far as it tells how many rays a round takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sources {
+    emitters: bool,
+    occludes: bool,
+    mirrors: bool,
+    /// Suns that are a direction, and that have a disc.
+    suns: [u32; 2],
+    /// Points and spots.
+    local: u32,
+    /// Whether the sky is a map, where there is one.
+    sky: Option<bool>,
+}
+
+impl Sources {
+    /// Those of a scene.
+    pub fn of(geometry: &Geometry) -> Sources {
+        let Geometry { lights, sky, .. } = geometry;
+        let discs = lights.all[..lights.suns as usize].iter().filter(|l| l.slope > 0.0).count() as u32;
+        Sources {
+            emitters: !geometry.emitters.is_empty(),
+            occludes: geometry.occludes,
+            mirrors: geometry.mirrors,
+            suns: [lights.suns - discs, discs],
+            local: lights.all.len() as u32 - lights.suns,
+            sky: sky.mapped(),
+        }
+    }
+
+    /// Lights without a surface.
+    pub fn lights(&self) -> u32 {
+        self.suns[0] + self.suns[1] + self.local
+    }
+
+    /// Rays of a round at a point.
+    pub fn rays(&self, samples: Samples) -> DirectRays {
+        let of = |is: bool, rays: u32| if is { u64::from(rays) } else { 0 };
+        let lights = self.suns[0] + self.suns[1] * lights::sun_rays(samples) + self.local.min(lights::FEW);
+        DirectRays {
+            samples: of(self.emitters, samples.emitter),
+            lines: of(self.emitters && self.occludes, samples.emitter),
+            directions: of(self.emitters && self.mirrors, samples.cosine),
+            sky: self.sky.map_or(0, |mapped| sky::samples_of(mapped, samples).iter().map(|&n| u64::from(n)).sum()),
+            lights: lights.into(),
+        }
+    }
 }
 
 /// What one sample (u, v) of the emitters' area brings to a surface point, beside cosine directions: E G / (n_e p + n_c G).

@@ -2,7 +2,7 @@
 
 use super::assign::Surface;
 use super::coefficients::Sums;
-use super::direct::Samples;
+use super::direct::{DirectRays, Samples, Sources};
 use super::gather::Gathered;
 use super::jacobi::System;
 use super::respond::{Host, Net, Responder};
@@ -19,7 +19,7 @@ pub struct TwinEngine<'a> {
     surface: Surface,
     light: Vec<NodeLight>,
     system: System,
-    shadow_rays: u64,
+    direct_rays: DirectRays,
     band_bytes: u64,
 }
 
@@ -42,7 +42,7 @@ impl<'a> TwinEngine<'a> {
             surface: Surface::default(),
             light: Vec::new(),
             system: System::default(),
-            shadow_rays: 0,
+            direct_rays: DirectRays::default(),
             band_bytes: 0,
         }
     }
@@ -93,10 +93,7 @@ impl Engine for TwinEngine<'_> {
         batch.direct.resize(batch.points.len(), DirectSum::default());
         let all: Vec<u32> = (0..batch.points.len() as u32).collect();
         let points = active.map_or(all.len(), <[u32]>::len) as u64;
-        let Geometry { lights, sky, .. } = self.geometry;
-        let to_emitters = if self.geometry.occludes && !self.geometry.emitters.is_empty() { samples.emitter } else { 0 };
-        let shadow_rays = to_emitters + super::lights::shadow_rays(lights, sky.mapped(), samples);
-        self.shadow_rays += points * u64::from(rounds) * u64::from(shadow_rays);
+        self.direct_rays.add(&Sources::of(self.geometry).rays(samples), points * u64::from(rounds));
         super::direct::direct(
             self.geometry,
             &batch.points,
@@ -261,8 +258,8 @@ impl Engine for TwinEngine<'_> {
         0.0
     }
 
-    fn shadow_rays(&self) -> u64 {
-        self.shadow_rays
+    fn direct_rays(&self) -> DirectRays {
+        self.direct_rays
     }
 
     fn band_bytes(&self) -> u64 {

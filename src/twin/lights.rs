@@ -3,14 +3,16 @@
 //! A sun of irradiance E is drawn from its disc as seen along its axis, so that a place that sees all of it gets
 //! E cos without noise where it faces it: its radiance is E/(pi sin^2 a), the density cos/(pi sin^2 a) about the axis. Points and spots
 //! bring I cos/r^2, spots times their falloff. Where they are more than [`FEW`], a round asks as many by what each would bring.
+//! Mirrors do not send it on; a medium takes of it on its way through the scene's bounding box.
 
 use super::direct::Samples;
 use super::math::{cos_sin_turn, seed_of, tangents, unit};
 use super::sky::from_sky;
 use super::sobol::sobol4;
 use super::trace::ray_blocked;
+use super::way::from_without;
 use crate::layout::Lamp;
-use crate::scene::{Geometry, Lights};
+use crate::scene::Geometry;
 use glam::Vec3;
 
 /// Points and spots that a round asks; where there are no more, all.
@@ -30,17 +32,9 @@ pub fn surfaceless(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
     sum
 }
 
-/// Shadow rays of a sun in a round.
-pub fn sun_rays(slope: f32, samples: Samples) -> u32 {
-    if slope > 0.0 { (samples.emitter / 4).max(1) } else { 1 }
-}
-
-/// Shadow rays of a round at a point to lights and to a sky (none, constant, or a map), those that carry no light counted too.
-pub(crate) fn shadow_rays(lights: &Lights, mapped: Option<bool>, samples: Samples) -> u32 {
-    let suns: u32 = lights.all[..lights.suns as usize].iter().map(|l| sun_rays(l.slope, samples)).sum();
-    let local = (lights.all.len() as u32 - lights.suns).min(FEW);
-    let sky = mapped.map_or(0, |mapped| super::sky::samples_of(mapped, samples).iter().sum());
-    sky + suns + local
+/// Shadow rays of a sun that has a disc in a round; of one that is a direction it is one.
+pub fn sun_rays(samples: Samples) -> u32 {
+    (samples.emitter / 4).max(1)
 }
 
 /// A direction towards a sun, and what comes from there to a surface of normal `n`.
@@ -93,12 +87,12 @@ pub fn from_lights(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
     let mut sum = Vec3::ZERO;
     for i in 0..lights.suns {
         let sun = &lights.all[i as usize];
-        let rays = sun_rays(sun.slope, samples);
+        let rays = if sun.slope > 0.0 { sun_rays(samples) } else { 1 };
         for k in round * rays..(round + 1) * rays {
             let u = sobol4(k, seed_of(seed, i));
             let (direction, light) = from_sun(sun, n, unit(u[0]), unit(u[1]));
             if light != Vec3::ZERO && !ray_blocked(geometry, p, direction, f32::MAX, here.plane) {
-                sum += light * (1.0 / rays as f32);
+                sum += light * (from_without(geometry, p, direction, f32::MAX) / rays as f32);
             }
         }
     }
@@ -126,7 +120,8 @@ pub fn from_lights(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
             share = times * step / brings;
         }
         if share > 0.0 && !ray_blocked(geometry, p, way, 1.0, here.plane) {
-            sum += light * share;
+            let r = way.dot(way).sqrt();
+            sum += light * (share * from_without(geometry, p, way * (1.0 / r), r));
         }
     }
     sum

@@ -2,12 +2,15 @@
 //!
 //! Of a constant sky cosine directions find the irradiance E V without noise where nothing stands before it. Of a map half of the
 //! samples are drawn from it, by radiance times solid angle, in integers; both are weighted by the balance heuristic (Veach
-//! 1997, 9.2): a direction counts E p_c/(n_m p_m + n_c p_c), where E = pi L, p_c = cos/pi, and p_m is the map's density.
+//! 1997, 9.2): a direction counts E p_c/(n_m p_m + n_c p_c), where E = pi L, p_c = cos/pi, and p_m is the map's density. Over mirrors
+//! cosine directions alone find it. A medium takes of it what the way through the scene's bounding box is long.
 
 use super::direct::Samples;
 use super::math::{PI, cos_sin_turn, cosine_direction, invert_cdf, seed_of, unit};
 use super::sobol::sobol4;
 use super::trace::ray_blocked;
+use super::way::{Way, follow, from_without};
+use crate::layout::kind;
 use crate::scene::{Geometry, Sky};
 use glam::Vec3;
 
@@ -138,7 +141,19 @@ pub fn from_map(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples:
     let here = &geometry.tris[tri as usize];
     let seen = geometry.sky.draw(u, v);
     let light = weighted(&seen, Vec3::from(here.normal).dot(seen.direction), samples);
-    if light != Vec3::ZERO && !ray_blocked(geometry, p, seen.direction, f32::MAX, here.plane) { light } else { Vec3::ZERO }
+    if light != Vec3::ZERO && !ray_blocked(geometry, p, seen.direction, f32::MAX, here.plane) {
+        return light * from_without(geometry, p, seen.direction, f32::MAX);
+    }
+    Vec3::ZERO
+}
+
+/// What a way to the sky that began in a cosine direction from a point of normal `n` brings, beside samples of the map. No
+/// sample of the map goes over a mirror: such light comes from cosine directions alone, E T / n_c.
+pub fn from_way(geometry: &Geometry, n: Vec3, way: &Way, [nm, nc]: [u32; 2]) -> Vec3 {
+    if way.mirrors > 0 {
+        return geometry.sky.look(way.direction).radiosity * (way.share / nc as f32);
+    }
+    from_direction(geometry, n, way.direction, [nm, nc]) * way.share
 }
 
 /// One round's estimate of the sky's irradiance at a surface point.
@@ -154,8 +169,13 @@ pub fn from_sky(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, s
     for k in round * nc..(round + 1) * nc {
         let u = sobol4(k, seed);
         let direction = cosine_direction(geometry.flatland, n, unit(u[2]), unit(u[3]));
-        if !ray_blocked(geometry, p, direction, f32::MAX, here.plane) {
-            sum += from_direction(geometry, n, direction, [nm, nc]);
+        if geometry.mirrors {
+            let way = follow(geometry, tri, p, direction);
+            if way.kind == kind::SKY {
+                sum += from_way(geometry, n, &way, [nm, nc]);
+            }
+        } else if !ray_blocked(geometry, p, direction, f32::MAX, here.plane) {
+            sum += from_direction(geometry, n, direction, [nm, nc]) * from_without(geometry, p, direction, f32::MAX);
         }
     }
     sum

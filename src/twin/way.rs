@@ -63,6 +63,11 @@ pub fn way_out(geometry: &Geometry, p: Vec3, direction: Vec3) -> f32 {
     out.max(0.0)
 }
 
+/// What arrives of light that comes to a point from a direction (unit), from `length` away: beyond the box there is no medium.
+pub fn from_without(geometry: &Geometry, p: Vec3, direction: Vec3, length: f32) -> f32 {
+    if geometry.sigma > 0.0 { fade(geometry.sigma * length.min(way_out(geometry, p, direction))) } else { 1.0 }
+}
+
 /// How far it is in a direction (unit) to where the scene's bounding box begins; 0 from within, and where it is missed.
 pub fn way_in(geometry: &Geometry, p: Vec3, direction: Vec3) -> f32 {
     let root = &geometry.nodes[0];

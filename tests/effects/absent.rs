@@ -30,7 +30,7 @@ fn found<E: Engine>(engine: &mut E, geometry: &Geometry) -> (Vec<u8>, u64) {
     let mut batch = engine.upload(&points).unwrap();
     engine.direct(&mut batch, None, 3, 0, 2, Samples { emitter: 4, cosine: 2 }).unwrap();
     let sums = engine.direct_sums(&batch).unwrap();
-    (bytemuck::cast_slice(&sums).to_vec(), engine.shadow_rays())
+    (bytemuck::cast_slice(&sums).to_vec(), engine.direct_rays().shadow())
 }
 
 #[test]
@@ -112,6 +112,52 @@ fn a_scene_is_explained() {
     assert!(effects.iter().all(|e| !e["why"].as_str().unwrap().is_empty() && !e["cost"].as_str().unwrap().is_empty()));
     let of = |name: &str| effects.iter().find(|e| e["name"] == name).unwrap();
     assert!(of("occlusion")["on"] == true && of("colour")["on"] == true && of("flatland")["on"] == false);
+}
+
+/// Bakes a shipped scene with its truth's points, and has its time explained.
+fn explained_after(scene: &str, name: &str) -> (String, serde_json::Value) {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().to_str().unwrap();
+    let points = format!("tests/data/{name}.truth.csv");
+    let args = ["bake", scene, "--rays", "32768", "--points", &points, "-o", out, "--quiet"];
+    let baked = Command::new(env!("CARGO_BIN_EXE_raycell")).current_dir(root("")).args(args).output().unwrap();
+    assert!(baked.status.success(), "{baked:?}");
+    let (json, _) = explain(&[scene, "--after", out, "--json"]);
+    (explain(&[scene, "--after", out]).0, serde_json::from_str(&json).unwrap())
+}
+
+#[test]
+fn after_a_bake_the_dearest_effects_are_named() {
+    if backend().is_none() {
+        return;
+    }
+    let shares = |object: &serde_json::Value| -> Vec<(String, f64)> {
+        let time = object["time"].as_array().unwrap().iter();
+        let shares: Vec<_> = time.map(|t| (t["effect"].as_str().unwrap().to_string(), t["share"].as_f64().unwrap())).collect();
+        assert!(shares.iter().all(|(_, s)| *s > 0.0 && *s < 1.0), "{shares:?}");
+        assert!(shares.is_sorted_by(|a, b| a.1 >= b.1) && shares.iter().map(|(_, s)| s).sum::<f64>() <= 1.0, "{shares:?}");
+        let on = |name: &str| object["effects"].as_array().unwrap().iter().any(|e| e["name"] == name && e["on"] == true);
+        assert!(shares.iter().all(|(name, _)| on(name)), "{shares:?}");
+        shares
+    };
+    let (text, object) = explained_after("scenes/cornell/scene.obj", "cornell");
+    let cornell = shares(&object);
+    assert_eq!(cornell[0].0, "interreflection", "{cornell:?}");
+    assert!(
+        cornell.iter().any(|(name, _)| name == "occlusion") && cornell.iter().map(|(_, s)| s).sum::<f64>() > 0.4,
+        "{cornell:?}"
+    );
+    let last = text.lines().last().unwrap();
+    assert!(last.contains("most of it for interreflection") && last.matches(" %").count() == 4, "{last}");
+    // A court is lit by what has no surface.
+    let (text, object) = explained_after("scenes/courtyard/scene.toml", "courtyard");
+    let court = shares(&object);
+    assert!(court[..3].iter().any(|(name, _)| name == "environment"), "{court:?}");
+    assert!(court.iter().any(|(name, _)| name == "lights"), "{court:?}");
+    assert!(text.lines().last().unwrap().contains("environment"), "{text}");
+    // A convex room casts no shadow.
+    let (_, object) = explained_after("scenes/furnace/scene.obj", "furnace");
+    assert!(shares(&object).iter().all(|(name, _)| name != "occlusion" && name != "lights"));
 }
 
 #[test]

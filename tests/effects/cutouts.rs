@@ -216,3 +216,23 @@ fn both_sides_of_a_sheet_are_lit() {
     let truth = traced(&Scene::from_triangles("plate", &both, materials()).unwrap(), &[above], 8_192)[0];
     assert!((lit.b[0] / truth[0] - 1.0).abs() < 0.01, "{lit:?} {truth:?}");
 }
+
+/// The light of the shipped room as the project's own path tracer finds it (`raycell sweep` traces references).
+#[test]
+fn the_room_with_a_screen_is_as_traced_and_not_without_its_maps() {
+    let Some(backend) = gpu().map(Backend::Gpu) else { return };
+    let truth = crate::common::truth("screen");
+    let whole = Scene::load(crate::common::root("scenes/screen/scene.obj")).unwrap();
+    let error = |switches: &str| {
+        let mut scene = whole.clone();
+        switches.parse::<Switches>().unwrap().apply(&mut scene).unwrap();
+        let solution = solve(&backend, &scene, &Params { rays: 65_536, ..Params::default() });
+        let b: Vec<[f64; 3]> = solution.query(&backend, &truth.points).unwrap().iter().map(|a| a.b).collect();
+        (rrmse(&b, &truth.b), solution.report().estimated_error.clone().unwrap().high)
+    };
+    let (off, stated) = error("auto");
+    let (plain, shut) = (error("-textures").0, error("-transparency").0);
+    eprintln!("screen: {off:.4}, stated {stated:.4} at most; without textures {plain:.3}, without cut-outs {shut:.3}");
+    assert!(off < stated && off < 0.04, "{off}, stated {stated}");
+    assert!(plain > 4.0 * off && shut > 4.0 * off && plain > stated && shut > stated, "{off}: {plain}, {shut}; {stated}");
+}

@@ -8,5 +8,6 @@ mod lights;
 mod maps;
 mod medium;
 mod mirrors;
+mod outside;
 mod sky;
 mod textures;

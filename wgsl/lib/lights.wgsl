@@ -75,7 +75,11 @@ fn from_lights(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32
             let u = sobol4(k, seed_of(seed, i));
             let arriving = from_sun(sun, n, unit(u.x), unit(u.y));
             if any(arriving.light != vec3<f32>()) && !ray_blocked(p, arriving.way, F32_MAX, plane) {
-                sum += arriving.light * (1.0 / f32(rays));
+                if SIGMA > 0.0 {
+                    sum += arriving.light * (from_without(p, arriving.way, F32_MAX) / f32(rays));
+                } else {
+                    sum += arriving.light * (1.0 / f32(rays));
+                }
             }
         }
         unfinished = unfinished || k < (round + 1u) * rays;
@@ -107,7 +111,12 @@ fn from_lights(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32
             share = times * step_width / brings;
         }
         if share > 0.0 && !ray_blocked(p, arriving.way, 1.0, plane) {
-            sum += arriving.light * share;
+            if SIGMA > 0.0 {
+                let r = sqrt(dot3(arriving.way, arriving.way));
+                sum += arriving.light * (share * from_without(p, arriving.way * (1.0 / r), r));
+            } else {
+                sum += arriving.light * share;
+            }
         }
     }
     unfinished = unfinished || i < count;

@@ -1,7 +1,7 @@
 // The sky's part of pass direct: the twin of src/twin/sky.rs. The kernel binds `sky: texture_2d_array<u32>`, whose texels
 // src/scene/sky.rs describes.
 #import layout
-#import ray
+#import surface
 #import sobol
 
 // Whether the scene has an environment that shines, and whether that is a map.
@@ -18,6 +18,11 @@ const INTERVAL = 1.0 / 4294967296.0;
 // Whether anything stands in the way from a surface point of piece `plane`; in a convex scene, too.
 fn ray_blocked(p: vec3<f32>, direction: vec3<f32>, t_max: f32, plane: u32) -> bool {
     return walk(p, direction, t_max, vec2<u32>(plane, NONE), true).tri != NONE;
+}
+
+// What arrives of light that comes to a point from a direction (unit), from `length` away: beyond the box there is no medium.
+fn from_without(p: vec3<f32>, direction: vec3<f32>, length: f32) -> f32 {
+    return fade(SIGMA * min(length, way_out(p, direction)));
 }
 
 fn sky_texel(t: u32) -> vec4<u32> {
@@ -157,7 +162,11 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
             let seen = sky_draw(u.x, u.y);
             let light = weighted(seen, dot3(n, seen.direction), f32(nm), f32(nc));
             if any(light != vec3<f32>()) && !ray_blocked(p, seen.direction, F32_MAX, plane) {
-                sum += light;
+                if SIGMA > 0.0 {
+                    sum += light * from_without(p, seen.direction, F32_MAX);
+                } else {
+                    sum += light;
+                }
             }
         }
         unfinished = unfinished || k < (round + 1u) * nm;
@@ -165,8 +174,21 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
         for (; k < (round + 1u) * nc; k++) {
             let u = sobol4(k, seed);
             let direction = cosine_direction(n, unit(u.z), unit(u.w));
-            if !ray_blocked(p, direction, F32_MAX, plane) {
-                sum += weighted(sky_look(direction), dot3(n, direction), f32(nm), f32(nc));
+            if MIRRORS {
+                // No direction of the map goes over a mirror.
+                if along(plane, p, direction).kind == SKY {
+                    if way.mirrors > 0u {
+                        sum += sky_look(way.direction).radiosity * (way.share / f32(nc));
+                    } else {
+                        sum += weighted(sky_look(direction), dot3(n, direction), f32(nm), f32(nc)) * way.share;
+                    }
+                }
+            } else if !ray_blocked(p, direction, F32_MAX, plane) {
+                if SIGMA > 0.0 {
+                    sum += weighted(sky_look(direction), dot3(n, direction), f32(nm), f32(nc)) * from_without(p, direction, F32_MAX);
+                } else {
+                    sum += weighted(sky_look(direction), dot3(n, direction), f32(nm), f32(nc));
+                }
             }
         }
         unfinished = unfinished || k < (round + 1u) * nc;
@@ -177,8 +199,17 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
     var k = round * nc;
     for (; k < (round + 1u) * nc; k++) {
         let u = sobol4(k, seed);
-        if !ray_blocked(p, cosine_direction(n, unit(u.z), unit(u.w)), F32_MAX, plane) {
-            sum += radiosity / f32(nc);
+        let direction = cosine_direction(n, unit(u.z), unit(u.w));
+        if MIRRORS {
+            if along(plane, p, direction).kind == SKY {
+                sum += radiosity * (way.share / f32(nc));
+            }
+        } else if !ray_blocked(p, direction, F32_MAX, plane) {
+            if SIGMA > 0.0 {
+                sum += radiosity * (from_without(p, direction, F32_MAX) / f32(nc));
+            } else {
+                sum += radiosity / f32(nc);
+            }
         }
     }
     unfinished = unfinished || k < (round + 1u) * nc;

@@ -129,6 +129,7 @@ pub fn recall(report: &mut report::Report, folder: &Path) {
     let read = report::Report::read(folder).ok();
     let Some(before) = read.filter(|b| b.params == report.params && b.estimated_error == report.estimated_error) else { return };
     report.seconds = report::Seconds { readout: report.seconds.readout, ..before.seconds };
+    report.effects = before.effects;
     report.memory_bytes = before.memory_bytes;
     report.extra = before.extra;
     if let (Some(now), Some(then)) = (&mut report.target, before.target) {

@@ -4,8 +4,10 @@ use super::super::log::Log;
 use super::interrupt::heed;
 use super::machine::Machine;
 use super::points::off_surface;
+use crate::effects::{self, Name};
 use crate::error::{Error, Result};
 use crate::output::mesh::Mesh;
+use crate::output::report::Report;
 use crate::output::{glb, image, ply, points};
 use crate::progress::Event;
 use crate::solution::{self, Answer, Image, Solution, SurfacePoint};
@@ -78,13 +80,20 @@ impl Asked<'_> {
     pub fn show(&self, machine: &Machine, solution: &Solution, log: &mut Log, stop: &AtomicBool) -> Result<Shown> {
         let (backend, begin) = (&machine.backend, Instant::now());
         log.event(&Event::Stage { name: "readout" });
-        let answers = self.points.map(|p| solution.query_with(backend, p, &mut |event| heed(log, stop, event))).transpose();
+        let mut spent = Vec::new();
+        let mut heed = |log: &mut Log, event: &Event| {
+            if let Event::Spent { effect, seconds } = *event {
+                spent.push((effect, seconds));
+            }
+            heed(log, stop, event)
+        };
+        let answers = self.points.map(|p| solution.query_with(backend, p, &mut |event| heed(log, event))).transpose();
         let answers = machine.judge("the points", answers)?;
-        let picture = self.camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(log, stop, event))).transpose();
+        let picture = self.camera.map(|c| solution.render_with(backend, &c, &mut |event| heed(log, event))).transpose();
         let picture = machine.judge("the picture", picture)?;
-        let mesh = self.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, stop, event))).transpose();
+        let mesh = self.vertices.then(|| solution.vertices_with(backend, &mut |event| heed(log, event))).transpose();
         let mesh = machine.judge("the vertices", mesh)?;
-        Ok(Shown { answers, picture, mesh, readout: begin.elapsed() })
+        Ok(Shown { answers, picture, mesh, readout: begin.elapsed(), spent })
     }
 }
 
@@ -95,9 +104,17 @@ pub struct Shown {
     mesh: Option<Mesh>,
     /// How long it took.
     pub readout: Duration,
+    /// What effects took of it, seconds.
+    spent: Vec<(Name, f64)>,
 }
 
 impl Shown {
+    /// Tells a report what it took.
+    pub fn tell(&self, report: &mut Report) {
+        report.seconds.readout = Some(self.readout.as_secs_f64());
+        effects::spend(report.effects.as_deref_mut().unwrap_or_default(), self.spent.iter().copied());
+    }
+
     /// Writes it into a folder: points.csv, vertices.ply or .glb, picture.exr and .png.
     pub fn write(
         &self,
