@@ -1,7 +1,7 @@
 //! Scenes with their truths: the shipped ones, and random ones by path tracing.
 
 use crate::{Outcome, scenes};
-use raycell::accuracy::reference::{Goal, Reference, bright_points};
+use raycell::accuracy::reference::{Goal, Reference, lit_points};
 use raycell::accuracy::truth::Truth;
 use raycell::progress::Progress;
 use raycell::scene::Geometry;
@@ -62,8 +62,9 @@ fn trace(seed: u32, more: Option<u64>) -> Outcome<Case> {
     if let Some(truth) = kept.as_ref().filter(|truth| more.is_none() || truth.noise() <= NOISE) {
         return Ok(Case { name, scene, truth: truth.clone() });
     }
-    let (points, weights) = kept.map_or_else(|| bright_points(&geometry, POINTS, seed), |truth| (truth.points, truth.weights));
-    let mut reference = Reference::new(&scene, &geometry, &path, points, seed)?.weighted(weights);
+    let (points, mean) = lit_points(&geometry, POINTS, seed);
+    let points = kept.map_or(points, |truth| truth.points);
+    let mut reference = Reference::new(&scene, &geometry, &path, points, seed)?.lit(mean);
     // Of an earlier scene of this seed: begun anew.
     if reference.resume(&state).is_err() {
         std::fs::remove_file(&state)?;

@@ -29,10 +29,10 @@ const HALF: [u32; 2] = [64, 512];
 const POINTS: [u32; 2] = [192, 1_024];
 /// Share of test points that lie where light is.
 const BRIGHT: f64 = 0.5;
-/// Share of test points that lie where light falls straight from the emitters, beside those of [`BRIGHT`] and the others.
+/// Share of test points that lie where light falls, beside those of [`BRIGHT`] and the others.
 const LANDED: f64 = 1.0 / 3.0;
-/// Rays of the emitters that tell how much of their light falls on anything, and where.
-const LANDINGS: u32 = 16_384;
+/// Rays of light that tell how much of it falls on anything, and where.
+const LANDINGS: u32 = 4_096;
 /// Points in flight.
 const CHUNK: usize = 256;
 /// Largest share of light that is taken to have been reflected before: what one bounce shows says nothing of more.
@@ -110,18 +110,32 @@ pub(crate) fn change(geometry: &Geometry, nodes: &[Node], mass: &[f64], before: 
     over_nodes(geometry, nodes, mass, |j, k| f64::from(after[j].h[k] - before[j].h[k]).powi(2))
 }
 
-/// Number of test points for a bake of so many rays, and the rays of each of their gathers.
-fn size(rays: u32) -> (u32, u32) {
-    let half = (rays / 512).next_power_of_two().clamp(HALF[0], HALF[1]);
-    ((f64::from(rays) * SHARE) as u32 / (2 * half), half)
+/// Test points, and the rays of each of their two gathers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Size {
+    points: u32,
+    half: u32,
 }
 
-/// Estimates the error of a solution by tests as a bake of `rays` gets; `bright` is what each tile sends, where that is known.
+impl Size {
+    /// As a bake of so many rays gets.
+    pub fn of_bake(rays: u32) -> Size {
+        Size::new(rays, POINTS[0])
+    }
+
+    /// For so many rays, of `least` points or more.
+    pub fn new(rays: u32, least: u32) -> Size {
+        let half = (rays / 512).next_power_of_two().clamp(HALF[0], HALF[1]);
+        Size { points: ((f64::from(rays) * SHARE) as u32 / (2 * half)).clamp(least, POINTS[1]), half }
+    }
+}
+
+/// Estimates the error of a solution by tests; `bright` is what each tile sends, where that is known.
 /// Errors: those of the engine, [`crate::Error::Cancelled`].
 pub(crate) fn estimate<E: Engine>(
     engine: &mut E,
     solution: &Solution,
-    rays: u32,
+    size: Size,
     bright: &[f64],
     solved: Solved,
     evidence: Evidence,
@@ -131,47 +145,67 @@ pub(crate) fn estimate<E: Engine>(
     let (geometry, params) = (solution.geometry(), solution.params());
     engine.set_surface(solution.surface())?;
     engine.set_light(solution.light())?;
-    let (count, half) = size(rays);
+    let Size { points: count, half } = size;
     let wanted: Vec<f64> = (0..geometry.tiles as usize).map(|t| bright.get(t).copied().unwrap_or(0.0)).collect();
     let starts = tiles::starts(geometry, &wanted, BRIGHT);
-    let count = count.clamp(POINTS[0], POINTS[1]);
-    let (landed, per_light) = landings(engine, geometry, &starts, params.seed, count)?;
+    let (landed, light) = landings(engine, geometry, &starts, bright, params, count)?;
     let mut places = tiles::drawn(geometry, &starts, stream(params.seed, Stream::TestPoints), count - landed.len() as u32);
     places.extend(landed);
     let mut tests = Vec::new();
     for (c, chunk) in places.chunks(CHUNK).enumerate() {
-        tests.extend(test(engine, solution, chunk, half, per_light, c as u32, progress)?);
+        tests.extend(test(engine, solution, chunk, half, light, c as u32, progress)?);
     }
     Ok(conclude(&tests, 1.0 / geometry.emission_scale, params, solved, evidence))
 }
 
-/// Of `all` test points those where rays of the emitters end, with the density that `starts` have there; and what a point's direct
-/// light counts in the density of all, where the others are drawn by `starts`.
+/// What light counts in the density of test points.
+#[derive(Clone, Copy, Debug, Default)]
+struct Landed {
+    /// Irradiance straight from the emitters, and from what they light.
+    per_light: [f64; 2],
+}
+
+/// Of `all` test points those where rays end that start where light is sent, with the density that `starts` have there; and
+/// what a point's light counts in the density of all, where the others are drawn by `starts`.
 ///
-/// A lamp close by a surface puts half of its light on a patch of its own size, far smaller than a tile: what is wrong there is most of a
-/// scene's error, and no other points meet it.
-fn landings<E: Engine>(engine: &mut E, geometry: &Geometry, starts: &[Tile], seed: u32, all: u32) -> Result<(Vec<Point>, f64)> {
-    // What else brings light straight, or brings it round a corner, falls elsewhere.
+/// A lamp close by a surface puts half of its light on a patch of its own size, far smaller than a tile, and a lit patch does so in
+/// turn: what is wrong there is most of a scene's error, and no other points meet it.
+fn landings<E: Engine>(
+    engine: &mut E,
+    geometry: &Geometry,
+    starts: &[Tile],
+    reflected: &[f64],
+    params: &Params,
+    all: u32,
+) -> Result<(Vec<Point>, Landed)> {
+    // What else brings light, or brings it round a corner, falls elsewhere.
     let plain = !geometry.is_surfaceless() && !geometry.mirrors && geometry.sigma == 0.0 && !geometry.textured && !geometry.cut;
     if !plain || geometry.emitters.is_empty() {
-        return Ok((Vec::new(), 0.0));
+        return Ok(Default::default());
     }
-    let sent = |t: u32| tiles::mean(&geometry.material_of(geometry.tile_tri[t as usize] as usize).emit.map(f64::from));
-    let shining: Vec<f64> = (0..geometry.tiles).map(sent).collect();
-    let batch =
-        engine.emit(&tiles::starts(geometry, &shining, 1.0), stream(seed, Stream::TestLandings), 0, LANDINGS, LANDINGS)?;
+    // Without exact direct light, what tiles send has their emission in it.
+    let apart = params.direct == Direct::Exact || reflected.is_empty();
+    let sent: Vec<f64> = (0..geometry.tiles as usize)
+        .map(|t| {
+            let emit = geometry.material_of(geometry.tile_tri[t] as usize).emit.map(f64::from);
+            reflected.get(t).copied().unwrap_or(0.0) + if apart { tiles::mean(&emit) } else { 0.0 }
+        })
+        .collect();
+    let seed = stream(params.seed, Stream::TestLandings);
+    let batch = engine.emit(&tiles::starts(geometry, &sent, 1.0), seed, 0, LANDINGS, LANDINGS)?;
     let ends = engine.points(&batch)?;
     let met: Vec<&Point> = ends.chunks_exact(2).filter(|ray| ray[0].kind == kind::FRONT).map(|ray| &ray[1]).collect();
     if met.is_empty() {
-        return Ok((Vec::new(), 0.0));
+        return Ok(Default::default());
     }
     let count = (f64::from(all) * LANDED) as usize;
     let step = (met.len() / count.max(1)).max(1);
     let place = |p: &&Point| Point { weight: 0.0, density: starts[p.tile as usize].density, ..**p };
     let landed: Vec<Point> = met.iter().step_by(step).take(count).map(place).collect();
-    let power = geometry.power_density() * geometry.area * met.len() as f64 / f64::from(LANDINGS);
-    let per_light = landed.len() as f64 / (all as usize - landed.len()) as f64 / power;
-    Ok((landed, per_light))
+    let power: f64 = (0..sent.len()).map(|t| sent[t] * geometry.tile_area(t)).sum();
+    let arrives = power * met.len() as f64 / f64::from(LANDINGS);
+    let per_light = landed.len() as f64 / (all as usize - landed.len()) as f64 / arrives;
+    Ok((landed, Landed { per_light: [per_light, if reflected.is_empty() { 0.0 } else { per_light }] }))
 }
 
 /// Looks at the solution from some points.
@@ -180,7 +214,7 @@ fn test<E: Engine>(
     solution: &Solution,
     places: &[Point],
     half: u32,
-    per_light: f64,
+    light: Landed,
     chunk: u32,
     progress: &mut Progress,
 ) -> Result<Vec<Test>> {
@@ -222,7 +256,9 @@ fn test<E: Engine>(
         let network = [0, 1, 2].map(|k| f64::from(network[i][k]));
         let nearness = 0.5 * (one.nearness + two.nearness);
         let gathered = shade::gathers(params) && shade::wants_gather(params, spacing, nearness, &psi[i]);
-        let density = f64::from(places[i].density) + per_light * tiles::mean(&d);
+        let brought = [0, 1, 2].map(|k| 0.5 * (f64::from(one.irradiance[k]) + f64::from(two.irradiance[k])));
+        let [straight, once] = light.per_light;
+        let density = f64::from(places[i].density) + straight * tiles::mean(&d) + once * tiles::mean(&brought);
         let mut t = Test { p: geometry.to_world(places[i].p), weight: 1.0 / density, gathered, ..Test::default() };
         for k in 0..3 {
             // Without exact direct light the nodes hold all of it.
@@ -412,14 +448,14 @@ mod tests {
         let mut engine = TwinEngine::new(&geometry);
         let starts = tiles::starts(&geometry, &vec![0.0; geometry.tiles as usize], BRIGHT);
         let all = 6_000;
-        let (landed, per_light) = landings(&mut engine, &geometry, &starts, 1, all).unwrap();
+        let (landed, light) = landings(&mut engine, &geometry, &starts, &[], &Params::default(), all).unwrap();
         assert_eq!(landed.len(), 2_000);
         let mut places = tiles::drawn(&geometry, &starts, 7, all - 2_000);
         places.extend(landed);
         let mut batch = engine.upload(&places).unwrap();
         engine.direct(&mut batch, None, 5, 0, 16, Samples { emitter: 24, cosine: 8 }).unwrap();
-        let light = engine.direct_sums(&batch).unwrap();
-        let weight = |i: usize| 1.0 / (f64::from(places[i].density) + per_light * f64::from(light[i].mean()[0]));
+        let direct = engine.direct_sums(&batch).unwrap();
+        let weight = |i: usize| 1.0 / (f64::from(places[i].density) + light.per_light[0] * f64::from(direct[i].mean()[0]));
         let under = |i: &usize| {
             let p = geometry.to_world(places[*i].p);
             p[1] < 1e-3 && (p[0] - 0.5).abs() < 0.05 && (p[2] - 0.5).abs() < 0.05

@@ -52,10 +52,10 @@ const SURE: u32 = 2;
 const GO_ON: f32 = 0.97;
 /// Batches in flight.
 const IN_FLIGHT: usize = 256;
-/// Rays of the emitters that tell where their light falls.
-const LANDINGS: u32 = 65_536;
-/// Batches of direct samples that tell how much of it falls on a point.
-const WEIGHED: u32 = 64;
+/// Particles of light that tell where it falls.
+const PARTICLES: u32 = 65_536;
+/// Surfaces that one may meet: of reflectances of .98 one in ten million meets more.
+const MOST_ENDS: usize = 800;
 /// Cosine rays that tell whether a point is covered.
 const PROBES: u32 = 64;
 
@@ -100,8 +100,8 @@ pub struct Reference<'a> {
     scene: &'a Scene,
     geometry: &'a Geometry,
     points: Vec<SurfacePoint>,
-    /// What of the surface each point stands for; none where that is the same for all.
-    weights: Vec<f64>,
+    /// Mean irradiance, scaled W/m², where points lie half by light ([`lit_points`]).
+    mean: Option<f64>,
     spots: Vec<Spot>,
     seed: u32,
     state: State,
@@ -155,12 +155,12 @@ impl<'a> Reference<'a> {
         let of = if geometry.sigma > 0.0 { digest(&[of.as_bytes(), bytes(&[geometry.sigma])]) } else { of };
         let none = vec![[0.0; 3]; points.len()];
         let state = State { of, share: Vec::new(), rounds: 0, sum: none.clone(), square: none };
-        Reference { scene, geometry, points, weights: Vec::new(), spots, seed, state }
+        Reference { scene, geometry, points, mean: None, spots, seed, state }
     }
 
-    /// The same with points that do not stand for as much of the surface each ([`bright_points`]).
-    pub fn weighted(self, weights: Vec<f64>) -> Reference<'a> {
-        Reference { weights, ..self }
+    /// The same with points of [`lit_points`], and the mean irradiance that came with them.
+    pub fn lit(self, mean: Option<f64>) -> Reference<'a> {
+        Reference { mean, ..self }
     }
 
     /// Goes on from where [`Reference::save`] was called; from the beginning where `path` is not there.
@@ -273,7 +273,7 @@ impl<'a> Reference<'a> {
     /// What is known so far.
     pub fn truth(&self) -> Truth {
         let unscale = self.geometry.arrives / self.geometry.emission_scale;
-        let mut truth = Truth { points: self.points.clone(), weights: self.weights.clone(), ..Truth::default() };
+        let mut truth = Truth { points: self.points.clone(), ..Truth::default() };
         for (i, spot) in self.spots.iter().enumerate() {
             let (reflectance, emission) = self.geometry.shown(self.scene, spot.tri, spot.p);
             let (sum, square) = (self.state.sum[i], self.state.square[i]);
@@ -286,8 +286,13 @@ impl<'a> Reference<'a> {
             });
             truth.b.push(b);
             truth.stderr.push(stderr);
+            if let Some(all) = self.mean {
+                truth.weights.push(1.0 / (0.5 + 0.5 * sum.iter().sum::<f64>() / (3.0 * m * all)));
+            }
             truth.flags.push(if b == [0.0; 3] { Flag::Covered } else { flag_of(b, stderr) });
         }
+        let level = truth.weights.iter().sum::<f64>() / truth.weights.len().max(1) as f64;
+        truth.weights.iter_mut().for_each(|w| *w /= level);
         truth
     }
 }
@@ -335,64 +340,77 @@ pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<Surfac
     points
 }
 
-/// As [`sample_points`], half of them where light falls straight from the emitters, with what each stands for, 1 on average.
+/// As [`sample_points`], half of them where light falls, and the mean irradiance, scaled W/m², by which [`Reference::lit`] weighs
+/// them.
 ///
-/// A lamp close by a surface puts half of its light on a patch of its own size. Of points spread over a whole room one or none
-/// meets it, and what the mean light is, and any error by it, is then chance. Here rays from the emitters end there as often as light does:
-/// a point's density is half uniform and half its direct light, which its weight 1/(1/2 + D/(2 mean D)) makes good.
-pub fn bright_points(geometry: &Geometry, count: usize, seed: u32) -> (Vec<SurfacePoint>, Vec<f64>) {
+/// A lamp close by a surface puts half of its light on a patch of its own size, and so does such a patch in turn. Of points spread over a
+/// whole room one or none meets it, and what the mean light is, and any error by it, is then chance. Here particles of light (Arvo and Kirk 1990) are followed,
+/// each of one band, through as many reflections as it survives: they end on a surface as often as its irradiance H says, so that
+/// a point's density is half uniform and half H. Where light comes otherwise than from surfaces, or maps vary it, points are even.
+pub fn lit_points(geometry: &Geometry, count: usize, seed: u32) -> (Vec<SurfacePoint>, Option<f64>) {
     let judged = geometry.judged();
     let even = sample_points(geometry, count, seed);
-    let area: f64 = (0..geometry.tris.len()).filter(|&t| judged(geometry.material_of(t))).map(|t| geometry.areas[t]).sum();
-    let spot_of = |p: &SurfacePoint| geometry.locate(p.p, p.n).map(|at| Spot { tri: at.tri, p: Vec3::from(at.p) });
-    // Where rays of the emitters end, and how many end on what is judged.
-    let landed: Vec<SurfacePoint> = (0..LANDINGS).into_par_iter().filter_map(|i| landing(geometry, &judged, i, seed)).collect();
-    if landed.is_empty() {
-        let weights = vec![1.0; even.len()];
-        return (even, weights);
+    if geometry.emitters.is_empty() || geometry.is_surfaceless() || geometry.textured || geometry.cut {
+        return (even, None);
     }
-    let mean = geometry.power_density() * geometry.area * landed.len() as f64 / f64::from(LANDINGS) / area;
+    let ends: Vec<Vec<Spot>> = (0..PARTICLES).into_par_iter().map(|i| particle(geometry, &judged, i, seed)).collect();
+    let ends = ends.concat();
+    if ends.is_empty() {
+        return (even, None);
+    }
+    let area: f64 = (0..geometry.tris.len()).filter(|&t| judged(geometry.material_of(t))).map(|t| geometry.areas[t]).sum();
+    let mean = geometry.power_density() * geometry.area * ends.len() as f64 / f64::from(PARTICLES) / area;
     let half = count / 2;
-    let step = (landed.len() / (count - half).max(1)).max(1);
-    let points: Vec<SurfacePoint> =
-        even.into_iter().take(half).chain(landed.into_iter().step_by(step).take(count - half)).collect();
-    let mut weights: Vec<f64> = points
-        .par_iter()
-        .enumerate()
-        .map(|(i, point)| {
-            let direct = spot_of(point).map_or(0.0, |at| {
-                let all = (0..WEIGHED).map(|k| round(geometry, at.tri, at.p, seed_of(seed, i as u32), k, DIRECT).element_sum());
-                f64::from(all.sum::<f32>()) / f64::from(3 * WEIGHED)
-            });
-            1.0 / (0.5 + 0.5 * direct / mean)
-        })
-        .collect();
-    let all = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
-    weights.iter_mut().for_each(|w| *w /= all);
-    (points, weights)
+    let step = (ends.len() / (count - half).max(1)).max(1);
+    // Only what a query finds again.
+    let found = |at: &Spot| {
+        let tri = &geometry.tris[at.tri as usize];
+        let (p, n) = (geometry.to_world(at.p.to_array()), tri.normal.map(f64::from));
+        geometry.locate(p, n).filter(|found| geometry.tris[found.tri as usize].plane == tri.plane)?;
+        Some(SurfacePoint { p, n })
+    };
+    let lit = ends.iter().step_by(step).filter_map(found).take(count - half);
+    (even.into_iter().take(half).chain(lit).collect(), Some(mean))
 }
 
-/// Where a ray of the emitters ends, drawn by what they send; none where that is on nothing that is judged.
-fn landing(geometry: &Geometry, judged: impl Fn(&layout::Material) -> bool, i: u32, seed: u32) -> Option<SurfacePoint> {
-    if geometry.emitters.is_empty() {
-        return None;
-    }
-    let u = sobol4(i, seed_of(seed, LANDINGS));
+/// Where a particle of light meets what is judged, until it is absorbed or escapes.
+fn particle(geometry: &Geometry, judged: impl Fn(&layout::Material) -> bool, i: u32, seed: u32) -> Vec<Spot> {
+    let mut random = Random::new(seed_of(seed, PARTICLES), i);
+    let u = sobol4(i, seed_of(seed, PARTICLES));
     let (e, place) = invert_cdf(geometry.emitters.len() as u32, |e| geometry.emitters[e as usize].cdf, u[0]);
-    let from = geometry.emitters[e as usize].tri;
-    let tri = &geometry.tris[from as usize];
+    let tri = geometry.emitters[e as usize].tri;
     let (b1, b2) = place_on(geometry.flatland, place, unit(u[1]));
-    let p = position(geometry.flatland, tri, b1, b2);
-    let direction = cosine_direction(geometry.flatland, Vec3::from(tri.normal), unit(u[2]), unit(u[3]));
-    let way = follow(geometry, from, p, direction);
-    if way.kind != kind::FRONT || !judged(geometry.material_of(way.hit.tri as usize)) {
-        return None;
+    let mut at = Spot { tri, p: position(geometry.flatland, &geometry.tris[tri as usize], b1, b2) };
+    // Its band, as the emitter has it.
+    let emit = geometry.material_of(tri as usize).emit;
+    let mut left = random.unit() * emit.iter().sum::<f32>();
+    let band = (0..2).find(|&k| {
+        left -= emit[k];
+        left < 0.0
+    });
+    let band = band.unwrap_or(2);
+    let mut turn = [u[2], u[3]];
+    let mut ends = Vec::new();
+    while ends.len() < MOST_ENDS {
+        let n = Vec3::from(geometry.tris[at.tri as usize].normal);
+        let way = follow(geometry, at.tri, at.p, cosine_direction(geometry.flatland, n, unit(turn[0]), unit(turn[1])));
+        if way.kind != kind::FRONT || random.unit() >= way.share {
+            break;
+        }
+        let material = geometry.material_of(way.hit.tri as usize);
+        at = Spot {
+            tri: way.hit.tri,
+            p: position(geometry.flatland, &geometry.tris[way.hit.tri as usize], way.hit.b1, way.hit.b2),
+        };
+        if judged(material) {
+            ends.push(at);
+        }
+        if random.unit() >= material.rho[band] {
+            break;
+        }
+        turn = [random.next(), random.next()];
     }
-    let there = &geometry.tris[way.hit.tri as usize];
-    let world = geometry.to_world(position(geometry.flatland, there, way.hit.b1, way.hit.b2).to_array());
-    let n = there.normal.map(f64::from);
-    geometry.locate(world, n).filter(|found| geometry.tris[found.tri as usize].plane == there.plane)?;
-    Some(SurfacePoint { p: world, n })
+    ends
 }
 
 /// No front face in sight, back faces in a quarter of all directions: no light can come.
@@ -521,8 +539,11 @@ mod tests {
     fn points_where_light_falls_stand_for_less() {
         let (scene, _) = shipped("cornell");
         let geometry = Geometry::new(&scene).unwrap();
-        let (points, weights) = bright_points(&geometry, 2_048, 3);
-        assert_eq!((points.len(), weights.len()), (2_048, 2_048));
+        let (points, mean) = lit_points(&geometry, 2_048, 3);
+        assert_eq!(points.len(), 2_048);
+        let mut traced = Reference::new(&scene, &geometry, Path::new("points"), points.clone(), 3).unwrap().lit(mean);
+        traced.run(Goal { paths: 512, ..Goal::default() }, &mut Progress::new(&mut |_: &Event| Flow::Continue)).unwrap();
+        let weights = traced.truth().weights;
         let (even, all) = (sample_points(&geometry, 2_048, 4), weights.iter().sum::<f64>());
         // Each side of the room has its share of the weight, though the floor has far more of the points.
         for normal in [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]] {
@@ -533,6 +554,16 @@ mod tests {
         }
         let floor = |p: &&SurfacePoint| p.n[1] > 0.9;
         assert!(points.iter().filter(floor).count() as f64 > 1.2 * even.iter().filter(floor).count() as f64);
+        // The particles' mean is that of the truth.
+        let traced = traced
+            .state
+            .sum
+            .iter()
+            .zip(&weights)
+            .enumerate()
+            .map(|(i, (s, w))| w * s.iter().sum::<f64>() / f64::from(3 * traced.state.rounds * traced.share(i)));
+        let known = traced.sum::<f64>() / all;
+        assert!((mean.unwrap() / known - 1.0).abs() < 0.03, "{mean:?} {known}");
     }
 
     fn shipped(name: &str) -> (Scene, Truth) {

@@ -7,7 +7,7 @@ pub(crate) mod paper;
 mod patchwork;
 mod rays;
 
-use crate::accuracy::estimate;
+use crate::accuracy::estimate::{self, Size};
 use crate::checkpoint::{Checkpoint, Key};
 use crate::doctor;
 use crate::effects::{self, Spent, spend};
@@ -208,7 +208,7 @@ fn whole<E: Engine>(
     let bright = saved.pilot.as_ref().map_or(&[][..], |p| &p.carried);
     let (solved, evidence) = (saved.network.solved.unwrap_or_default(), saved.network.evidence);
     let estimate = clock.time(engine, "estimate", |engine| {
-        estimate::estimate(engine, &solution, params.rays, bright, solved, evidence, progress)
+        estimate::estimate(engine, &solution, Size::of_bake(params.rays), bright, solved, evidence, progress)
     })?;
     progress.event(Event::Error { rrmse: estimate.rrmse, low: estimate.low, high: estimate.high })?;
     solution.report_mut().estimated_error = Some(estimate);

@@ -16,7 +16,7 @@ mod sources;
 
 pub use change::{Change, Retrace};
 
-use crate::accuracy::estimate::{self, Evidence};
+use crate::accuracy::estimate::{self, Evidence, Size};
 use crate::bake::bake;
 use crate::effects;
 use crate::engine::Backend;
@@ -40,6 +40,10 @@ use std::time::Instant;
 
 /// A relight is tested as a bake of so many times fewer rays.
 const TESTS: u32 = 32;
+/// Its test points, or more.
+const POINTS: u32 = 96;
+/// An error beyond the bake's by which it is re-traced, in what the bake states at most: the whole is then wrong by 1.8 times as much.
+const BEYOND: f64 = 1.5;
 /// Share of the bake's rays below which it is told how few serve the new light.
 const FEW: f64 = 0.5;
 /// Share by which a light may miss a multiple of another by rounding alone.
@@ -156,7 +160,7 @@ pub(crate) fn relight(
     if factors.is_none() && change.retrace == Retrace::Auto && baked.error.is_some() {
         // Beyond what the bake states, by the tests or by what is known of the light.
         let grown = relit.extra.max((error.low.powi(2) - stated.high.powi(2)).max(0.0).sqrt());
-        if grown > stated.high {
+        if grown > BEYOND * stated.high {
             let why = format!(
                 "the network was tuned for other light: solved on it, the new light would have an error {:.1} % beyond the bake's, \
                  which states {:.1} % at most",
@@ -268,12 +272,13 @@ fn test(
     solved: Solved,
     progress: &mut Progress,
 ) -> Result<EstimatedError> {
-    let (geometry, rays) = (solution.geometry(), solution.params().rays / TESTS);
+    let geometry = solution.geometry();
+    let size = Size::new(solution.params().rays / TESTS, POINTS);
     let evidence = Evidence::default();
     match backend {
-        Backend::Cpu => estimate::estimate(&mut TwinEngine::new(geometry), solution, rays, bright, solved, evidence, progress),
+        Backend::Cpu => estimate::estimate(&mut TwinEngine::new(geometry), solution, size, bright, solved, evidence, progress),
         Backend::Gpu(gpu) => {
-            estimate::estimate(&mut GpuEngine::new(gpu, geometry)?, solution, rays, bright, solved, evidence, progress)
+            estimate::estimate(&mut GpuEngine::new(gpu, geometry)?, solution, size, bright, solved, evidence, progress)
         }
     }
 }
