@@ -40,13 +40,13 @@ const MOST_INDIRECT: f64 = 0.99;
 /// The interval's lower end is no farther below the estimate than this factor, but for [`MARGIN`].
 const LOWEST: f64 = 1.6;
 /// Share of the nodes' mean square residual that is left in the mean over what a gather sees.
-const GATHERED: f64 = 0.15;
+const GATHERED: f64 = 0.2;
 /// The most that a single test point may hold of all squares.
-const TALL: f64 = 0.1;
+const TALL: f64 = 0.15;
 /// Variance of an even mean of rounds of direct light over that of a random one.
 const EVEN: f64 = 0.3;
 /// By how much the truth's own points may differ from the tests', and the estimate's assumptions from a scene: below, above.
-const MARGIN: [f64; 2] = [1.6, 1.27];
+const MARGIN: [f64; 2] = [1.7, 1.37];
 /// The same above where light lies on patches: what one blurs is off all over it, and goes on into further bounces as such.
 const PATCHED: f64 = 1.45;
 /// Regions that are told apart, as a power of two.
@@ -356,8 +356,8 @@ fn conclude(tests: &[Test], unscale: f64, params: &Params, solved: Solved, evide
     let direct = EVEN * over(|t| t.direct).value;
     let square = (local.value + carried).max(local.error);
     let [least, most] = residual.range().map(|x| x * grows);
-    let high = square - carried + most + 1.5 * local.error;
-    let low = (square - carried + least.min(carried) - 0.5 * local.error).max(square / LOWEST.powi(2));
+    let high = square - carried + most + local.error;
+    let low = (square - carried + least.min(carried) - 0.25 * local.error).max(square / LOWEST.powi(2));
 
     let between = over(|t| if t.gathered { 0.0 } else { t.square }).value.max(0.0);
     let rays = evidence.noise.map(|noise| noise.min(between));

@@ -563,7 +563,8 @@ mod tests {
             .enumerate()
             .map(|(i, (s, w))| w * s.iter().sum::<f64>() / f64::from(3 * traced.state.rounds * traced.share(i)));
         let known = traced.sum::<f64>() / all;
-        assert!((mean.unwrap() / known - 1.0).abs() < 0.03, "{mean:?} {known}");
+        // By 2,048 points to some 2 %.
+        assert!((mean.unwrap() / known - 1.0).abs() < 0.06, "{mean:?} {known}");
     }
 
     fn shipped(name: &str) -> (Scene, Truth) {

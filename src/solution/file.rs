@@ -185,6 +185,7 @@ impl Solution {
         };
         report.scene.path = name.clone();
         report.relit = report.relit.map(|relit| RelitReport { from: None, seconds: None, ..relit });
+        report.effects.iter_mut().flatten().for_each(|effect| effect.seconds = None);
         let header = Header {
             content: CONTENT.into(),
             name,
