@@ -27,6 +27,8 @@ const SHARE: f64 = 0.5;
 const HALF: [u32; 2] = [64, 512];
 /// Least and most test points.
 const POINTS: [u32; 2] = [192, 1_024];
+/// The least of a bake of few rays, and the rays for each: where they are quickly shot the tests are not to take longer.
+const FEW: (u32, u32) = (96, 64);
 /// Share of test points that lie where light is.
 const BRIGHT: f64 = 0.5;
 /// Share of test points that lie where light falls, beside those of [`BRIGHT`] and the others.
@@ -120,7 +122,7 @@ pub(crate) struct Size {
 impl Size {
     /// As a bake of so many rays gets.
     pub fn of_bake(rays: u32) -> Size {
-        Size::new(rays, POINTS[0])
+        Size::new(rays, (rays / FEW.1).clamp(FEW.0, POINTS[0]))
     }
 
     /// For so many rays, of `least` points or more.
