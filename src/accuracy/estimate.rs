@@ -182,7 +182,8 @@ fn landings<E: Engine>(
 ) -> Result<(Vec<Point>, Landed)> {
     // What else brings light, or brings it round a corner, falls elsewhere.
     let plain = !geometry.is_surfaceless() && !geometry.mirrors && geometry.sigma == 0.0 && !geometry.textured && !geometry.cut;
-    if !plain || geometry.emitters.is_empty() {
+    // Where points are few, finding such places would take longer than to look from them.
+    if !plain || geometry.emitters.is_empty() || all < POINTS[0] {
         return Ok(Default::default());
     }
     // Without exact direct light, what tiles send has their emission in it.
