@@ -63,9 +63,8 @@ fn trace(seed: u32, more: Option<u64>) -> Outcome<Case> {
         return Ok(Case { name, scene, truth: truth.clone() });
     }
     let (points, mean) = lit_points(&geometry, POINTS, seed);
-    let points = kept.map_or(points, |truth| truth.points);
     let mut reference = Reference::new(&scene, &geometry, &path, points, seed)?.lit(mean);
-    // Of an earlier scene of this seed: begun anew.
+    // Of an earlier scene of this seed, or of other points: begun anew.
     if reference.resume(&state).is_err() {
         std::fs::remove_file(&state)?;
     }

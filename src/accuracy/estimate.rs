@@ -15,7 +15,7 @@ use crate::params::{Direct, Method, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
-use crate::shade;
+use crate::shade::{self, Whole};
 use crate::solution::Solution;
 use crate::stream::{Stream, stream};
 use crate::twin::math::seed_of;
@@ -153,9 +153,9 @@ pub(crate) fn estimate<E: Engine>(
     let (landed, light) = landings(engine, geometry, &starts, bright, params, count)?;
     let mut places = tiles::drawn(geometry, &starts, stream(params.seed, Stream::TestPoints), count - landed.len() as u32);
     places.extend(landed);
-    let mut tests = Vec::new();
+    let (mut tests, whole) = (Vec::new(), solution.whole());
     for (c, chunk) in places.chunks(CHUNK).enumerate() {
-        tests.extend(test(engine, solution, chunk, half, light, c as u32, progress)?);
+        tests.extend(test(engine, solution, whole, chunk, half, light, c as u32, progress)?);
     }
     Ok(conclude(&tests, 1.0 / geometry.emission_scale, params, solved, evidence))
 }
@@ -215,6 +215,7 @@ fn landings<E: Engine>(
 fn test<E: Engine>(
     engine: &mut E,
     solution: &Solution,
+    whole: Whole,
     places: &[Point],
     half: u32,
     light: Landed,
@@ -223,7 +224,7 @@ fn test<E: Engine>(
 ) -> Result<Vec<Test>> {
     let (geometry, params) = (solution.geometry(), solution.params());
     let exact = params.direct == Direct::Exact;
-    let shade::Whole { spacing, usual } = solution.whole();
+    let Whole { spacing, usual } = whole;
     let seed = |which| seed_of(stream(params.seed, which), chunk);
 
     // What the solution says, without final gathers.

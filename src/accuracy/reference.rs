@@ -329,12 +329,7 @@ pub fn sample_points(geometry: &Geometry, count: usize, seed: u32) -> Vec<Surfac
         let (b1, b2) = place_on(geometry.flatland, place as f32, unit(u[1]));
         let p = position(geometry.flatland, tri, b1, b2);
         if is_there(geometry, t as u32, b1, b2) && !is_covered(geometry, t as u32, p, seed_of(seed, i)) {
-            let world = geometry.to_world(p.to_array());
-            let n = tri.normal.map(f64::from);
-            // Only what a query finds again.
-            if geometry.locate(world, n).is_some_and(|found| geometry.tris[found.tri as usize].plane == tri.plane) {
-                points.push(SurfacePoint { p: world, n });
-            }
+            points.extend(found_again(geometry, Spot { tri: t as u32, p }));
         }
     }
     points
@@ -362,15 +357,16 @@ pub fn lit_points(geometry: &Geometry, count: usize, seed: u32) -> (Vec<SurfaceP
     let mean = geometry.power_density() * geometry.area * ends.len() as f64 / f64::from(PARTICLES) / area;
     let half = count / 2;
     let step = (ends.len() / (count - half).max(1)).max(1);
-    // Only what a query finds again.
-    let found = |at: &Spot| {
-        let tri = &geometry.tris[at.tri as usize];
-        let (p, n) = (geometry.to_world(at.p.to_array()), tri.normal.map(f64::from));
-        geometry.locate(p, n).filter(|found| geometry.tris[found.tri as usize].plane == tri.plane)?;
-        Some(SurfacePoint { p, n })
-    };
-    let lit = ends.iter().step_by(step).filter_map(found).take(count - half);
+    let lit = ends.iter().step_by(step).filter_map(|&end| found_again(geometry, end)).take(count - half);
     (even.into_iter().take(half).chain(lit).collect(), Some(mean))
+}
+
+/// A place as a point of a truth: none where a query would not find it again.
+fn found_again(geometry: &Geometry, at: Spot) -> Option<SurfacePoint> {
+    let tri = &geometry.tris[at.tri as usize];
+    let (p, n) = (geometry.to_world(at.p.to_array()), tri.normal.map(f64::from));
+    let found = geometry.locate(p, n)?;
+    (geometry.tris[found.tri as usize].plane == tri.plane).then_some(SurfacePoint { p, n })
 }
 
 /// Where a particle of light meets what is judged, until it is absorbed or escapes.
