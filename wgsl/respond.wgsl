@@ -51,6 +51,18 @@ fn answering(winner: u32, i: u32) -> u32 {
     return graph[params.rows + graph[winner] + i - 1u];
 }
 
+// The least exponent of all that answer, and which has it.
+var<private> least: f32 = F32_MAX;
+var<private> nearest: u32 = 0u;
+
+// exp of the exponents' difference, so that none underflows: 1 of the least, whatever is fused in a difference of great numbers.
+fn activation(input: u32, winner: u32, i: u32) -> f32 {
+    if i == nearest {
+        return 1.0;
+    }
+    return exp(min(least - exponent(input, answering(winner, i)), 0.0));
+}
+
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     if gid.x >= params.count {
@@ -64,17 +76,19 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let count = select(1u + graph[winner + 1u] - graph[winner], 1u, params.linear == 1u);
 
-    // Exponents relative to the least one, so that none underflows.
-    var least = F32_MAX;
     var i = 0u;
     for (; i < count; i++) {
-        least = min(least, exponent(input, answering(winner, i)));
+        let e = exponent(input, answering(winner, i));
+        if e < least {
+            least = e;
+            nearest = i;
+        }
     }
     unfinished = unfinished || i < count;
     var all = 0.0;
     i = 0u;
     for (; i < count; i++) {
-        all += exp(least - exponent(input, answering(winner, i)));
+        all += activation(input, winner, i);
     }
     unfinished = unfinished || i < count;
 
@@ -89,8 +103,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     } else {
         i = 0u;
         for (; i < count; i++) {
-            let cell = answering(winner, i);
-            output += exp(least - exponent(input, cell)) / all * outputs[cell].value;
+            output += activation(input, winner, i) / all * outputs[answering(winner, i)].value;
         }
         unfinished = unfinished || i < count;
     }
@@ -110,9 +123,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     i = 0u;
     for (; i < count; i++) {
         let cell = answering(winner, i);
-        let activation = weight * (exp(least - exponent(input, cell)) / all);
-        add_sum(WORDS * cell + GAIN, activation * error, FEATURE_POWER);
-        add_sum(WORDS * cell + ACTIVATION, activation, FEATURE_POWER);
+        let share = weight * (activation(input, winner, i) / all);
+        add_sum(WORDS * cell + GAIN, share * error, FEATURE_POWER);
+        add_sum(WORDS * cell + ACTIVATION, share, FEATURE_POWER);
     }
     unfinished = unfinished || i < count;
     finish();

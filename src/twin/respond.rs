@@ -67,10 +67,15 @@ impl Net<'_> {
         distance2(input, &self.cells[cell as usize]) / (width * width)
     }
 
-    /// The least exponent (so that none underflows, hard case F04) and the sum of activations relative to it.
-    fn scale(&self, winner: u32, input: &Feature) -> (f32, f32) {
-        let least = self.active(winner).map(|c| self.exponent(c, input)).fold(f32::MAX, f32::min);
-        (least, self.active(winner).map(|c| (least - self.exponent(c, input)).exp()).fold(0.0, |sum, x| sum + x))
+    /// The activations of all that answer, relative to the greatest (so that none underflows, hard case F04), and their sum.
+    fn activations<'a>(&'a self, winner: u32, input: &'a Feature) -> (impl Iterator<Item = (u32, f32)> + 'a, f32) {
+        // The first of the least exponents, as the device has it.
+        let first = |best: (u32, f32), c| if self.exponent(c, input) < best.1 { (c, self.exponent(c, input)) } else { best };
+        let (nearest, least) = self.active(winner).fold((winner, f32::MAX), first);
+        let activation = move |c| if c == nearest { 1.0 } else { (least - self.exponent(c, input)).min(0.0).exp() };
+        let all = self.active(winner).map(move |c| (c, activation(c)));
+        let sum = all.clone().fold(0.0, |sum, (_, a)| sum + a);
+        (all, sum)
     }
 
     /// What the network answers to an input that `winner` matches best; 0 where there is no cell.
@@ -83,10 +88,8 @@ impl Net<'_> {
             let cell = &self.cells[winner as usize];
             return (0..FEATURE_DIM).fold(own.value, |sum, k| sum + own.slope[k] * (input[k] - cell[k]));
         }
-        let (least, all) = self.scale(winner, input);
-        self.active(winner)
-            .map(|c| (least - self.exponent(c, input)).exp() / all * self.outputs[c as usize].value)
-            .fold(0.0, |sum, x| sum + x)
+        let (all, sum) = self.activations(winner, input);
+        all.map(|(c, a)| a / sum * self.outputs[c as usize].value).fold(0.0, |sum, x| sum + x)
     }
 }
 
@@ -103,9 +106,9 @@ pub fn respond(net: Net, inputs: &[Feature], samples: &mut [Sample]) -> Vec<Resp
         own.count.add(1);
         own.share.add(encode(s.weight, FEATURE_UNIT));
         own.error.add(encode(s.weight * (error * error), FEATURE_UNIT));
-        let (least, all) = net.scale(s.winner, input);
-        for c in net.active(s.winner) {
-            let activation = s.weight * ((least - net.exponent(c, input)).exp() / all);
+        let (all, sum) = net.activations(s.winner, input);
+        for (c, activation) in all {
+            let activation = s.weight * (activation / sum);
             sums[c as usize].gain.add(encode(activation * error, FEATURE_UNIT));
             sums[c as usize].activation.add(encode(activation, FEATURE_UNIT));
         }

@@ -75,7 +75,10 @@ fn shear(d: Vec3) -> Shear {
 
 /// Twice the signed area of (0, a, b), the same bits but for the sign if a and b swap.
 fn edge(ax: f32, ay: f32, bx: f32, by: f32) -> f32 {
-    if ax < bx || (ax == bx && ay < by) { ax * by - ay * bx } else { -(bx * ay - by * ax) }
+    let ordered = ax < bx || (ax == bx && ay < by);
+    let (px, py, qx, qy) = if ordered { (ax, ay, bx, by) } else { (bx, by, ax, ay) };
+    let area = px * qy - py * qx;
+    if ordered { area } else { -area }
 }
 
 fn intersect(tri: &Tri, origin: Vec3, sh: &Shear, t_max: f32) -> Option<(f32, f32, f32)> {

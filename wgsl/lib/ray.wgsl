@@ -23,12 +23,14 @@ fn turned(v: vec3<f32>, kz: u32) -> vec3<f32> {
     return select(select(v.xyz, v.zxy, kz == 1u), v.yzx, kz == 0u);
 }
 
-// Twice the signed area of (0, a, b), the same bits but for the sign if a and b swap.
+// Twice the signed area of (0, a, b), the same bits but for the sign if a and b swap. The ends are put in order first, so that
+// there is one difference of products: of two, drivers fuse one multiply-add each, not the same, and rays slip through.
 fn edge(a: vec2<f32>, b: vec2<f32>) -> f32 {
-    if a.x < b.x || (a.x == b.x && a.y < b.y) {
-        return a.x * b.y - a.y * b.x;
-    }
-    return -(b.x * a.y - b.y * a.x);
+    let ordered = a.x < b.x || (a.x == b.x && a.y < b.y);
+    let p = select(b, a, ordered);
+    let q = select(a, b, ordered);
+    let area = p.x * q.y - p.y * q.x;
+    return select(-area, area, ordered);
 }
 
 fn nonzero(x: f32) -> f32 {
