@@ -207,7 +207,7 @@ fn weights(i: u32) -> Psi {
                 }
                 look = Look(p, n, 2.0 * (LIFT * 1.001 * far + 2.0 * FLOOR), vec2<u32>(plane, NONE));
             }
-            let met = walk(look.origin, look.direction, look.t_max, look.skip, !up);
+            let met = walk(look.origin, look.direction, look.t_max, look.skip, !up, vec3<f32>());
             if up {
                 // The same candidate again.
                 reach = met.t;

@@ -91,7 +91,7 @@ pub fn from_lights(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
         for k in round * rays..(round + 1) * rays {
             let u = sobol4(k, seed_of(seed, i));
             let (direction, light) = from_sun(sun, n, unit(u[0]), unit(u[1]));
-            if light != Vec3::ZERO && !ray_blocked(geometry, p, direction, f32::MAX, here.plane) {
+            if light != Vec3::ZERO && !ray_blocked(geometry, here, p, direction, f32::MAX) {
                 sum += light * (from_without(geometry, p, direction, f32::MAX) / rays as f32);
             }
         }
@@ -119,7 +119,7 @@ pub fn from_lights(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32
             next += times * step;
             share = times * step / brings;
         }
-        if share > 0.0 && !ray_blocked(geometry, p, way, 1.0, here.plane) {
+        if share > 0.0 && !ray_blocked(geometry, here, p, way, 1.0) {
             let r = way.dot(way).sqrt();
             sum += light * (share * from_without(geometry, p, way * (1.0 / r), r));
         }

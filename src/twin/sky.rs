@@ -141,7 +141,7 @@ pub fn from_map(geometry: &Geometry, tri: u32, p: Vec3, u: u32, v: u32, samples:
     let here = &geometry.tris[tri as usize];
     let seen = geometry.sky.draw(u, v);
     let light = weighted(&seen, Vec3::from(here.normal).dot(seen.direction), samples);
-    if light != Vec3::ZERO && !ray_blocked(geometry, p, seen.direction, f32::MAX, here.plane) {
+    if light != Vec3::ZERO && !ray_blocked(geometry, here, p, seen.direction, f32::MAX) {
         return light * from_without(geometry, p, seen.direction, f32::MAX);
     }
     Vec3::ZERO
@@ -174,7 +174,7 @@ pub fn from_sky(geometry: &Geometry, tri: u32, p: Vec3, seed: u32, round: u32, s
             if way.kind == kind::SKY {
                 sum += from_way(geometry, n, &way, [nm, nc]);
             }
-        } else if !ray_blocked(geometry, p, direction, f32::MAX, here.plane) {
+        } else if !ray_blocked(geometry, here, p, direction, f32::MAX) {
             sum += from_direction(geometry, n, direction, [nm, nc]) * from_without(geometry, p, direction, f32::MAX);
         }
     }

@@ -15,6 +15,10 @@ pub const STACK: usize = 48;
 /// A point behind a plane by less than this is on it, local: rounding has moved it there. Some six units in the last place
 /// of the largest coordinate; walls thinner than twice this cannot be told from sheets.
 pub const BEHIND: f32 = 4e-7;
+/// Surfaces this close, face to face or back to back, lie on one another.
+const CONTACT: f32 = 1e-6;
+/// Cosine of normals below which they look opposite ways.
+const OPPOSED: f32 = -0.99999;
 /// How far points of a triangle are moved towards its middle, local: farther than rounding can move them over an edge.
 pub const INWARD: f32 = 1e-6;
 
@@ -131,8 +135,15 @@ fn enter(node: &BvhNode, origin: Vec3, inv: Vec3, t_max: f32) -> f32 {
     if near * 0.9999995 <= far && near * 0.9999995 < t_max { near } else { f32::MAX }
 }
 
-/// Walks the hierarchy; `any` stops at the first hit.
-fn walk(geometry: &Geometry, ray: &Ray, any: bool) -> Hit {
+/// Whether a triangle lies on the surface of normal `base` that a ray starts on, looking the other way: a box's bottom on the
+/// floor, or the other side of a sheet. The ray leaves it behind, whichever side of the start rounding puts it on.
+fn lies_on(tri: &Tri, origin: Vec3, base: Vec3) -> bool {
+    let n = Vec3::from(tri.normal);
+    n.dot(base) < OPPOSED && n.dot(Vec3::from(tri.v0) - origin).abs() < CONTACT
+}
+
+/// Walks the hierarchy; `any` stops at the first hit. `base`: the normal of the surface that the ray starts on, or 0.
+fn walk(geometry: &Geometry, ray: &Ray, any: bool, base: Vec3) -> Hit {
     let (nodes, tris) = (&geometry.nodes, &geometry.tris);
     let sh = shear(ray.direction);
     let inv = safe_inverse(ray.direction);
@@ -163,6 +174,9 @@ fn walk(geometry: &Geometry, ray: &Ray, any: bool) -> Hit {
                 if let Some((t, b1, b2)) = met {
                     // The start, and the end of a segment, may lie behind the planes beside them by their rounding.
                     let across = Vec3::from(tri.normal).dot(ray.direction);
+                    if across < 0.0 && t * -across < CONTACT && lies_on(tri, ray.origin, base) {
+                        continue;
+                    }
                     let behind = if across > 0.0 { t * across } else { (ray.t_max - t) * -across };
                     if behind < BEHIND && (across > 0.0 || any) {
                         continue;
@@ -201,12 +215,17 @@ fn walk(geometry: &Geometry, ray: &Ray, any: bool) -> Hit {
 
 /// The nearest triangle a ray meets, from either side.
 pub fn closest(geometry: &Geometry, ray: &Ray) -> Hit {
-    walk(geometry, ray, false)
+    walk(geometry, ray, false, Vec3::ZERO)
+}
+
+/// The same of a ray that starts on a surface of this normal, and so meets nothing that lies on it.
+pub fn closest_from(geometry: &Geometry, ray: &Ray, normal: Vec3) -> Hit {
+    walk(geometry, ray, false, normal)
 }
 
 /// Whether anything stands in a ray's way.
 pub fn occluded(geometry: &Geometry, ray: &Ray) -> bool {
-    walk(geometry, ray, true).tri != NONE
+    walk(geometry, ray, true, Vec3::ZERO).tri != NONE
 }
 
 /// Whether the open segment from `a` to `b` is blocked, `skip` apart; in a convex scene none can be.
@@ -214,10 +233,11 @@ pub fn segment_blocked(geometry: &Geometry, a: Vec3, b: Vec3, skip: [u32; 2]) ->
     geometry.occludes && occluded(geometry, &Ray { origin: a, direction: b - a, t_max: 1.0, skip })
 }
 
-/// Whether anything stands in the way from a surface point of piece `plane`, up to `t_max` times the direction's length. In a
+/// Whether anything stands in the way from a point of triangle `tri`, up to `t_max` times the direction's length. In a
 /// convex scene, too: what comes from without may be blocked by a closed room's wall.
-pub fn ray_blocked(geometry: &Geometry, p: Vec3, direction: Vec3, t_max: f32, plane: u32) -> bool {
-    occluded(geometry, &Ray { origin: p, direction, t_max, skip: [plane, NONE] })
+pub fn ray_blocked(geometry: &Geometry, tri: &Tri, p: Vec3, direction: Vec3, t_max: f32) -> bool {
+    let ray = Ray { origin: p, direction, t_max, skip: [tri.plane, NONE] };
+    walk(geometry, &ray, true, Vec3::from(tri.normal)).tri != NONE
 }
 
 /// The tile of a triangle that holds barycentric coordinates (b1, b2). Rows run along b1; row i has

@@ -4,7 +4,7 @@
 //! still serves both ways with w = 1/(p(s) + p(t)). What arrives is T = product of the mirrors' reflectances x
 //! exp(-sigma length). The medium fills the scene's bounding box; beyond it nothing is absorbed.
 
-use super::trace::{Hit, Ray, closest, position};
+use super::trace::{Hit, Ray, closest_from, position};
 use crate::layout::{NONE, kind};
 use crate::scene::Geometry;
 use glam::Vec3;
@@ -85,15 +85,17 @@ pub fn way_in(geometry: &Geometry, p: Vec3, direction: Vec3) -> f32 {
 
 /// Follows a direction (unit) from a point on triangle `tri`.
 pub fn follow(geometry: &Geometry, tri: u32, p: Vec3, direction: Vec3) -> Way {
-    along(geometry, geometry.tris[tri as usize].plane, p, direction)
+    let from = &geometry.tris[tri as usize];
+    along(geometry, from.plane, Vec3::from(from.normal), p, direction)
 }
 
-/// Follows a direction (unit) from any point; `plane` is the planar piece that it lies on, or [`NONE`].
-pub fn along(geometry: &Geometry, plane: u32, p: Vec3, direction: Vec3) -> Way {
-    let (mut at, mut skip, mut length, mut gloss) = (p, plane, 0.0, 1.0);
+/// Follows a direction (unit) from any point; `plane` and `normal` are of the surface that it lies on, or [`NONE`] and 0.
+pub fn along(geometry: &Geometry, plane: u32, normal: Vec3, p: Vec3, direction: Vec3) -> Way {
+    let (mut at, mut skip, mut left, mut length, mut gloss) = (p, plane, normal, 0.0, 1.0);
     let mut way = Way { kind: kind::SKY, hit: Hit::none(f32::MAX), direction, mirrors: 0, share: 1.0, mirrored: 0.0 };
     loop {
-        let hit = closest(geometry, &Ray { origin: at, direction: way.direction, t_max: f32::MAX, skip: [skip, NONE] });
+        let ray = Ray { origin: at, direction: way.direction, t_max: f32::MAX, skip: [skip, NONE] };
+        let hit = closest_from(geometry, &ray, left);
         if geometry.sigma > 0.0 {
             let leg = if hit.tri == NONE { way_out(geometry, at, way.direction) } else { hit.t };
             way.share *= fade(geometry.sigma * leg);
@@ -121,7 +123,7 @@ pub fn along(geometry: &Geometry, plane: u32, p: Vec3, direction: Vec3) -> Way {
             return way;
         }
         at = position(geometry.flatland, there, hit.b1, hit.b2);
-        skip = there.plane;
+        (skip, left) = (there.plane, Vec3::from(there.normal));
         way.direction -= Vec3::from(there.normal) * (2.0 * across);
     }
 }
@@ -163,7 +165,7 @@ mod tests {
         assert!((way.share - want).abs() < 1e-5 && (way.hit.t / geometry.scale as f32 - length).abs() < 1e-5, "{way:?}");
         assert!(way.mirrored > 0.0 && way.mirrored + way.share < 1.0);
         // Along x it never ends: given up, and all accounted for.
-        let lost = along(&geometry, NONE, Vec3::ZERO, Vec3::X);
+        let lost = along(&geometry, NONE, Vec3::ZERO, Vec3::ZERO, Vec3::X);
         assert_eq!((lost.kind, lost.mirrors, lost.share), (kind::LOST, MIRRORS, 0.0));
         assert!(lost.mirrored < 1.0 && lost.mirrored > 0.1, "{lost:?}");
     }

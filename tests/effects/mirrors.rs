@@ -182,7 +182,7 @@ fn a_room_with_mirrors_is_the_room_unfolded() {
 fn a_room_with_mirrors_meets_its_reference_and_not_without_them() {
     let Some(backend) = backend() else { return };
     let scene = corner_room(Some(0.8));
-    let (points, truth) = reference(&scene, 96, 4_096);
+    let (points, truth) = reference(&scene, 192, 8_192);
     let params = Params { rays: 65_536, direct_samples: 2_048, ..Params::default() };
     let solution = solve(&backend, &scene, &params);
     let off = rrmse(&radiosity(&backend, &solution, &points), &truth);

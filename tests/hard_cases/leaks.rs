@@ -3,8 +3,12 @@
 //! D03 and D04.
 
 use super::setup::*;
-use raycell::scene::Material;
+use glam::DVec3;
+use raycell::engine::Engine;
+use raycell::layout::{Point, kind};
+use raycell::pass::GpuEngine;
 use raycell::scene::shapes::{Triangles, block, flipped, moved, quad, room};
+use raycell::scene::{Geometry, Material};
 use raycell::{Direct, Params, Status, SurfacePoint};
 
 /// 0 grey, 1 the lamp, 2 darker.
@@ -39,6 +43,39 @@ fn careful(direct: Direct) -> Params {
 
 fn most(answers: &[raycell::Answer]) -> f64 {
     answers.iter().flat_map(|a| a.b).fold(0.0, f64::max)
+}
+
+/// What lies on a surface is left behind by rays that start there, however the plane that both lie in is turned: whether they
+/// meet it would be chance, and the covered floor alive and lit.
+#[test]
+fn a_box_covers_the_floor_that_it_stands_on() {
+    let Some(gpu) = gpu() else { return };
+    let floor = quad([[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]], 0);
+    let upright = [floor, block([-0.4, 0.0, -0.3], [0.3, 0.5, 0.2], 0)].concat();
+    for turn in [|p| p, rotated] {
+        let g = Geometry::new(&scene(&moved(upright.clone(), turn), vec![grey(0.5, 1.0)])).unwrap();
+        let up = DVec3::from(turn([0.0, 1.0, 0.0])) - DVec3::from(turn([0.0; 3]));
+        // Under the box on the floor, then on the box's bottom.
+        let mut dice = Dice(3);
+        let mut points: Vec<Point> = Vec::new();
+        for side in [1.0, -1.0] {
+            for _ in 0..40 {
+                let at = turn([-0.39 + 0.68 * dice.unit(), 0.0, -0.29 + 0.48 * dice.unit()]);
+                let on = g.locate(at, (up * side).to_array()).unwrap();
+                points.push(Point { p: on.p, tri: on.tri, ..Point::default() });
+            }
+        }
+        let kinds = |ends: Vec<Point>| -> Vec<u32> { ends.iter().map(|e| e.kind).collect() };
+        let mut twin = raycell::twin::TwinEngine::new(&g);
+        let mut device = GpuEngine::new(&gpu, &g).unwrap();
+        let (a, b) = (twin.upload(&points).unwrap(), device.upload(&points).unwrap());
+        let (a, b) = (twin.shoot(&a, 5, 0, 64).unwrap(), device.shoot(&b, 5, 0, 64).unwrap());
+        for kinds in [kinds(twin.points(&a).unwrap()), kinds(device.points(&b).unwrap())] {
+            let (above, below) = kinds.split_at(40 * 64);
+            assert_eq!(above.iter().filter(|k| **k != kind::BACK).count(), 0, "the box is seen from where it stands");
+            assert_eq!(below.iter().filter(|k| **k != kind::SKY).count(), 0, "the floor is seen from what stands on it");
+        }
+    }
 }
 
 #[test]

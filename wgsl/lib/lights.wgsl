@@ -61,7 +61,6 @@ fn bands(v: vec3<f32>) -> f32 {
 // One round's estimate of the lights' irradiance at a surface point.
 fn from_lights(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32) -> vec3<f32> {
     let n = tri_normal(tri);
-    let plane = tri_plane(tri);
     let seed = seed_of(point_seed, LIGHT_STREAM);
     let suns = light_texel(0u).x;
     let count = light_texel(0u).y;
@@ -74,7 +73,7 @@ fn from_lights(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32
         for (; k < (round + 1u) * rays; k++) {
             let u = sobol4(k, seed_of(seed, i));
             let arriving = from_sun(sun, n, unit(u.x), unit(u.y));
-            if any(arriving.light != vec3<f32>()) && !ray_blocked(p, arriving.way, F32_MAX, plane) {
+            if any(arriving.light != vec3<f32>()) && !ray_blocked(tri, p, arriving.way, F32_MAX) {
                 if SIGMA > 0.0 {
                     sum += arriving.light * (from_without(p, arriving.way, F32_MAX) / f32(rays));
                 } else {
@@ -110,7 +109,7 @@ fn from_lights(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32
             next += times * step_width;
             share = times * step_width / brings;
         }
-        if share > 0.0 && !ray_blocked(p, arriving.way, 1.0, plane) {
+        if share > 0.0 && !ray_blocked(tri, p, arriving.way, 1.0) {
             if SIGMA > 0.0 {
                 let r = sqrt(dot3(arriving.way, arriving.way));
                 sum += arriving.light * (share * from_without(p, arriving.way * (1.0 / r), r));

@@ -10,6 +10,9 @@
 const STACK = 48u;
 // A point behind a plane by less than this is on it: rounding has moved it there.
 const BEHIND = 4e-7;
+// Surfaces this close, face to face or back to back, lie on one another.
+const CONTACT = 1e-6;
+const OPPOSED = -0.99999;
 
 struct Hit {
     t: f32, // in units of the direction's length
@@ -111,8 +114,15 @@ fn meet_segment(i: u32, origin: vec3<f32>, d: vec3<f32>, t_max: f32) -> Hit {
     return Hit(t_max, NONE, 0.0, 0.0);
 }
 
-// Walks the hierarchy, ignoring two planar pieces; `any` stops at the first hit.
-fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+// Whether triangle i lies on the surface of normal `base` that a ray starts on, looking the other way: a box's bottom on the
+// floor, or the other side of a sheet. The ray leaves it behind, whichever side of the start rounding puts it on.
+fn lies_on(i: u32, origin: vec3<f32>, base: vec3<f32>) -> bool {
+    return dot3(tri_normal(i), base) < OPPOSED && abs(dot3(tri_normal(i), tri_v0(i) - origin)) < CONTACT;
+}
+
+// Walks the hierarchy, ignoring two planar pieces; `any` stops at the first hit. `base`: the normal of the surface that the ray
+// starts on, or 0.
+fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, any_hit: bool, base: vec3<f32>) -> Hit {
     let frame = shear(direction);
     let inv = vec3<f32>(1.0 / nonzero(direction.x), 1.0 / nonzero(direction.y), 1.0 / nonzero(direction.z));
 
@@ -145,6 +155,9 @@ fn walk(origin: vec3<f32>, direction: vec3<f32>, t_max: f32, skip: vec2<u32>, an
                 if met.tri != NONE {
                     // The start, and the end of a segment, may lie behind the planes beside them by their rounding.
                     let across = dot3(tri_normal(i), direction);
+                    if across < 0.0 && met.t * -across < CONTACT && lies_on(i, origin, base) {
+                        continue;
+                    }
                     let behind = select((t_max - met.t) * -across, met.t * across, across > 0.0);
                     if behind < BEHIND && (across > 0.0 || any_hit) {
                         continue;
@@ -199,5 +212,5 @@ fn segment_blocked(a: vec3<f32>, b: vec3<f32>, skip: vec2<u32>) -> bool {
     if !OCCLUSION {
         return false;
     }
-    return walk(a, b - a, 1.0, skip, true).tri != NONE;
+    return walk(a, b - a, 1.0, skip, true, vec3<f32>()).tri != NONE;
 }

@@ -15,9 +15,9 @@ const SKY_STREAM = 0x5ca1ab1eu;
 // 2^-32: a step of a fixed-point distribution.
 const INTERVAL = 1.0 / 4294967296.0;
 
-// Whether anything stands in the way from a surface point of piece `plane`; in a convex scene, too.
-fn ray_blocked(p: vec3<f32>, direction: vec3<f32>, t_max: f32, plane: u32) -> bool {
-    return walk(p, direction, t_max, vec2<u32>(plane, NONE), true).tri != NONE;
+// Whether anything stands in the way from a point of triangle `tri`; in a convex scene, too.
+fn ray_blocked(tri: u32, p: vec3<f32>, direction: vec3<f32>, t_max: f32) -> bool {
+    return walk(p, direction, t_max, vec2<u32>(tri_plane(tri), NONE), true, tri_normal(tri)).tri != NONE;
 }
 
 // What arrives of light that comes to a point from a direction (unit), from `length` away: beyond the box there is no medium.
@@ -161,7 +161,7 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
             let u = sobol4(k, seed);
             let seen = sky_draw(u.x, u.y);
             let light = weighted(seen, dot3(n, seen.direction), f32(nm), f32(nc));
-            if any(light != vec3<f32>()) && !ray_blocked(p, seen.direction, F32_MAX, plane) {
+            if any(light != vec3<f32>()) && !ray_blocked(tri, p, seen.direction, F32_MAX) {
                 if SIGMA > 0.0 {
                     sum += light * from_without(p, seen.direction, F32_MAX);
                 } else {
@@ -176,14 +176,14 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
             let direction = cosine_direction(n, unit(u.z), unit(u.w));
             if MIRRORS {
                 // No direction of the map goes over a mirror.
-                if along(plane, p, direction).kind == SKY {
+                if along(plane, n, p, direction).kind == SKY {
                     if way.mirrors > 0u {
                         sum += sky_look(way.direction).radiosity * (way.share / f32(nc));
                     } else {
                         sum += weighted(sky_look(direction), dot3(n, direction), f32(nm), f32(nc)) * way.share;
                     }
                 }
-            } else if !ray_blocked(p, direction, F32_MAX, plane) {
+            } else if !ray_blocked(tri, p, direction, F32_MAX) {
                 if SIGMA > 0.0 {
                     sum += weighted(sky_look(direction), dot3(n, direction), f32(nm), f32(nc)) * from_without(p, direction, F32_MAX);
                 } else {
@@ -201,10 +201,10 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
         let u = sobol4(k, seed);
         let direction = cosine_direction(n, unit(u.z), unit(u.w));
         if MIRRORS {
-            if along(plane, p, direction).kind == SKY {
+            if along(plane, n, p, direction).kind == SKY {
                 sum += radiosity * (way.share / f32(nc));
             }
-        } else if !ray_blocked(p, direction, F32_MAX, plane) {
+        } else if !ray_blocked(tri, p, direction, F32_MAX) {
             if SIGMA > 0.0 {
                 sum += radiosity * (from_without(p, direction, F32_MAX) / f32(nc));
             } else {
