@@ -208,11 +208,11 @@ fn edge(a_1: vec2<f32>, b_1: vec2<f32>) -> f32 {
     } else {
         local_2 = true;
     }
-    let _e19 = local_2;
-    if _e19 {
-        return ((a_1.x * b_1.y) - (a_1.y * b_1.x));
-    }
-    return -(((b_1.x * a_1.y) - (b_1.y * a_1.x)));
+    let ordered = local_2;
+    let p_3 = select(b_1, a_1, ordered);
+    let q = select(a_1, b_1, ordered);
+    let area = ((p_3.x * q.y) - (p_3.y * q.x));
+    return select(-(area), area, ordered);
 }
 
 fn enter(i_4: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
@@ -243,6 +243,22 @@ fn finish() {
     } else {
         return;
     }
+}
+
+fn lies_on(i_11: u32, origin_2: vec3<f32>, base: vec3<f32>) -> bool {
+    var local_11: bool;
+    let _e3 = tri_normal(i_11);
+    let _e4 = dot3_(_e3, base);
+    if (_e4 < -0.99999f) {
+        let _e9 = tri_normal(i_11);
+        let _e10 = tri_v0_(i_11);
+        let _e12 = dot3_(_e9, (_e10 - origin_2));
+        local_11 = (abs(_e12) < 0.000001f);
+    } else {
+        local_11 = false;
+    }
+    let _e17 = local_11;
+    return _e17;
 }
 
 fn meet_triangle(i_10: u32, origin_1: vec3<f32>, s: Shear, t_max_1: f32) -> Hit {
@@ -389,183 +405,203 @@ fn turned(v: vec3<f32>, kz: u32) -> vec3<f32> {
     return select(select(v.xyz, v.zxy, (kz == 1u)), v.yzx, (kz == 0u));
 }
 
-fn walk(origin_2: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool, base_1: vec3<f32>) -> Hit {
     var hit: Hit;
     var stack: array<u32, 48>;
     var top: u32 = 0u;
     var at: u32 = 0u;
     var open: bool;
     var pop: bool;
-    var i_11: u32;
-    var local_11: bool;
+    var i_12: u32;
     var local_12: bool;
-    var met: Hit;
     var local_13: bool;
+    var met: Hit;
     var local_14: bool;
     var local_15: bool;
     var local_16: bool;
     var local_17: bool;
-    let _e5 = shear(direction_1);
-    let _e7 = nonzero(direction_1.x);
-    let _e11 = nonzero(direction_1.y);
-    let _e15 = nonzero(direction_1.z);
-    let inv_1 = vec3<f32>((1f / _e7), (1f / _e11), (1f / _e15));
+    var local_18: bool;
+    var local_19: bool;
+    var local_20: bool;
+    let _e6 = shear(direction_1);
+    let _e8 = nonzero(direction_1.x);
+    let _e12 = nonzero(direction_1.y);
+    let _e16 = nonzero(direction_1.z);
+    let inv_1 = vec3<f32>((1f / _e8), (1f / _e12), (1f / _e16));
     hit = Hit(t_max_2, NONE, 0f, 0f);
-    let _e31 = hit.t;
-    let _e32 = enter(0u, origin_2, inv_1, _e31);
-    open = (_e32 < F32_MAX);
+    let _e32 = hit.t;
+    let _e33 = enter(0u, origin_3, inv_1, _e32);
+    open = (_e33 < F32_MAX);
     loop {
-        let _e36 = open;
-        if _e36 {
+        let _e37 = open;
+        if _e37 {
         } else {
             break;
         }
         {
-            let _e37 = at;
-            let _e38 = box_count(_e37);
-            let _e39 = at;
-            let _e40 = box_first(_e39);
+            let _e38 = at;
+            let _e39 = box_count(_e38);
+            let _e40 = at;
+            let _e41 = box_first(_e40);
             pop = true;
-            if (_e38 > 0u) {
-                i_11 = _e40;
+            if (_e39 > 0u) {
+                i_12 = _e41;
                 loop {
-                    let _e46 = i_11;
-                    if (_e46 < (_e40 + _e38)) {
+                    let _e47 = i_12;
+                    if (_e47 < (_e41 + _e39)) {
                     } else {
                         break;
                     }
                     {
-                        let _e49 = i_11;
-                        let _e50 = tri_plane(_e49);
-                        if !((_e50 == skip.x)) {
-                            local_11 = (_e50 == skip.y);
+                        let _e50 = i_12;
+                        let _e51 = tri_plane(_e50);
+                        if !((_e51 == skip.x)) {
+                            local_12 = (_e51 == skip.y);
                         } else {
-                            local_11 = true;
+                            local_12 = true;
                         }
-                        let _e59 = local_11;
-                        if _e59 {
+                        let _e60 = local_12;
+                        if _e60 {
                             continue;
                         }
-                        if ((_e50 & TWIN) != 0u) {
-                            let _e66 = i_11;
-                            let _e67 = tri_normal(_e66);
-                            let _e68 = dot3_(_e67, direction_1);
-                            local_12 = (_e68 >= 0f);
+                        if ((_e51 & TWIN) != 0u) {
+                            let _e67 = i_12;
+                            let _e68 = tri_normal(_e67);
+                            let _e69 = dot3_(_e68, direction_1);
+                            local_13 = (_e69 >= 0f);
                         } else {
-                            local_12 = false;
+                            local_13 = false;
                         }
-                        let _e72 = local_12;
-                        if _e72 {
+                        let _e73 = local_13;
+                        if _e73 {
                             continue;
                         }
                         met = Hit();
-                        let _e75 = i_11;
-                        let _e77 = hit.t;
-                        let _e78 = meet_triangle(_e75, origin_2, _e5, _e77);
-                        met = _e78;
-                        let _e80 = met.tri;
-                        if (_e80 != NONE) {
-                            let _e83 = i_11;
-                            let _e84 = tri_normal(_e83);
-                            let _e85 = dot3_(_e84, direction_1);
-                            let _e87 = met.t;
-                            let _e92 = met.t;
-                            let behind = select(((t_max_2 - _e87) * -(_e85)), (_e92 * _e85), (_e85 > 0f));
-                            if (behind < 0.0000004f) {
-                                if !((_e85 > 0f)) {
-                                    local_14 = any_hit;
-                                } else {
-                                    local_14 = true;
-                                }
-                                let _e107 = local_14;
-                                local_13 = _e107;
+                        let _e76 = i_12;
+                        let _e78 = hit.t;
+                        let _e79 = meet_triangle(_e76, origin_3, _e6, _e78);
+                        met = _e79;
+                        let _e81 = met.tri;
+                        if (_e81 != NONE) {
+                            let _e84 = i_12;
+                            let _e85 = tri_normal(_e84);
+                            let _e86 = dot3_(_e85, direction_1);
+                            if (_e86 < 0f) {
+                                let _e92 = met.t;
+                                local_14 = ((_e92 * -(_e86)) < 0.000001f);
                             } else {
-                                local_13 = false;
+                                local_14 = false;
                             }
-                            let _e109 = local_13;
-                            if _e109 {
+                            let _e98 = local_14;
+                            if _e98 {
+                                let _e101 = i_12;
+                                let _e102 = lies_on(_e101, origin_3, base_1);
+                                local_15 = _e102;
+                            } else {
+                                local_15 = false;
+                            }
+                            let _e104 = local_15;
+                            if _e104 {
                                 continue;
                             }
-                            let _e110 = met;
-                            hit = _e110;
+                            let _e106 = met.t;
+                            let _e111 = met.t;
+                            let behind = select(((t_max_2 - _e106) * -(_e86)), (_e111 * _e86), (_e86 > 0f));
+                            if (behind < 0.0000004f) {
+                                if !((_e86 > 0f)) {
+                                    local_17 = any_hit;
+                                } else {
+                                    local_17 = true;
+                                }
+                                let _e126 = local_17;
+                                local_16 = _e126;
+                            } else {
+                                local_16 = false;
+                            }
+                            let _e128 = local_16;
+                            if _e128 {
+                                continue;
+                            }
+                            let _e129 = met;
+                            hit = _e129;
                             if any_hit {
-                                let _e111 = hit;
-                                return _e111;
+                                let _e130 = hit;
+                                return _e130;
                             }
                         }
                     }
                     continuing {
-                        let _e113 = i_11;
-                        i_11 = (_e113 + 1u);
+                        let _e132 = i_12;
+                        i_12 = (_e132 + 1u);
                     }
                 }
-                let _e117 = unfinished;
-                if !(_e117) {
-                    let _e121 = i_11;
-                    local_15 = (_e121 < (_e40 + _e38));
+                let _e136 = unfinished;
+                if !(_e136) {
+                    let _e140 = i_12;
+                    local_18 = (_e140 < (_e41 + _e39));
                 } else {
-                    local_15 = true;
+                    local_18 = true;
                 }
-                let _e125 = local_15;
-                unfinished = _e125;
+                let _e144 = local_18;
+                unfinished = _e144;
             } else {
-                let _e127 = hit.t;
-                let _e128 = enter(_e40, origin_2, inv_1, _e127);
-                let _e132 = hit.t;
-                let _e133 = enter((_e40 + 1u), origin_2, inv_1, _e132);
-                let swap = (_e128 > _e133);
-                let far_2 = max(_e128, _e133);
-                if (min(_e128, _e133) < F32_MAX) {
+                let _e146 = hit.t;
+                let _e147 = enter(_e41, origin_3, inv_1, _e146);
+                let _e151 = hit.t;
+                let _e152 = enter((_e41 + 1u), origin_3, inv_1, _e151);
+                let swap = (_e147 > _e152);
+                let far_2 = max(_e147, _e152);
+                if (min(_e147, _e152) < F32_MAX) {
                     if (far_2 < F32_MAX) {
-                        let _e143 = unfinished;
-                        if !(_e143) {
-                            let _e147 = top;
-                            local_16 = (_e147 >= STACK);
+                        let _e162 = unfinished;
+                        if !(_e162) {
+                            let _e166 = top;
+                            local_19 = (_e166 >= STACK);
                         } else {
-                            local_16 = true;
+                            local_19 = true;
                         }
-                        let _e151 = local_16;
-                        unfinished = _e151;
-                        let _e152 = top;
-                        stack[min(_e152, 47u)] = select((_e40 + 1u), _e40, swap);
-                        let _e160 = top;
-                        top = (_e160 + 1u);
+                        let _e170 = local_19;
+                        unfinished = _e170;
+                        let _e171 = top;
+                        stack[min(_e171, 47u)] = select((_e41 + 1u), _e41, swap);
+                        let _e179 = top;
+                        top = (_e179 + 1u);
                     }
-                    at = select(_e40, (_e40 + 1u), swap);
+                    at = select(_e41, (_e41 + 1u), swap);
                     pop = false;
                 }
             }
-            let _e166 = pop;
-            if _e166 {
-                let _e167 = top;
-                if (_e167 == 0u) {
+            let _e185 = pop;
+            if _e185 {
+                let _e186 = top;
+                if (_e186 == 0u) {
                     open = false;
                 } else {
-                    let _e172 = top;
-                    top = (_e172 - 1u);
-                    let _e174 = top;
-                    let _e178 = stack[min(_e174, 47u)];
-                    at = _e178;
+                    let _e191 = top;
+                    top = (_e191 - 1u);
+                    let _e193 = top;
+                    let _e197 = stack[min(_e193, 47u)];
+                    at = _e197;
                 }
             }
         }
     }
-    let _e181 = unfinished;
-    if !(_e181) {
-        let _e185 = open;
-        local_17 = _e185;
+    let _e200 = unfinished;
+    if !(_e200) {
+        let _e204 = open;
+        local_20 = _e204;
     } else {
-        local_17 = true;
+        local_20 = true;
     }
-    let _e187 = local_17;
-    unfinished = _e187;
-    let _e188 = hit;
-    return _e188;
+    let _e206 = local_20;
+    unfinished = _e206;
+    let _e207 = hit;
+    return _e207;
 }
 
-fn weights(i_12: u32) -> Psi {
+fn weights(i_13: u32) -> Psi {
     var result: Psi = Psi(vec4<u32>(4294967295u, 4294967295u, 4294967295u, 4294967295u), vec4<f32>());
-    var local_18: bool;
+    var local_21: bool;
     var d0_: f32 = F32_MAX;
     var d1_: f32 = F32_MAX;
     var d2_1: f32 = F32_MAX;
@@ -586,38 +622,38 @@ fn weights(i_12: u32) -> Psi {
     var c8_: u32 = NONE;
     var list: u32;
     var c_2: u32;
-    var local_19: bool;
-    var local_20: bool;
+    var local_22: bool;
+    var local_23: bool;
     var near_d: array<f32, 9>;
     var near_c: array<u32, 9>;
     var reach: f32 = -1f;
     var k_1: u32 = 0u;
     var pending: bool = true;
     var node_4: u32;
-    var local_21: bool;
-    var local_22: bool;
-    var local_23: bool;
     var local_24: bool;
     var local_25: bool;
     var local_26: bool;
+    var local_27: bool;
+    var local_28: bool;
+    var local_29: bool;
     var look: Look;
     var far: f32;
     var c_3: u32;
     var sum: f32 = 0f;
     var k_2: u32 = 0u;
-    let tri = points[i_12].tri;
-    let tile = points[i_12].tile;
+    let tri = points[i_13].tri;
+    let tile = points[i_13].tile;
     if !((tri == NONE)) {
-        local_18 = (tile == NONE);
+        local_21 = (tile == NONE);
     } else {
-        local_18 = true;
+        local_21 = true;
     }
-    let _e25 = local_18;
+    let _e25 = local_21;
     if _e25 {
         let _e26 = result;
         return _e26;
     }
-    let p_3 = points[i_12].p;
+    let p_4 = points[i_13].p;
     let _e31 = tri_normal(tri);
     let _e32 = tri_plane(tri);
     list = tile;
@@ -641,7 +677,7 @@ fn weights(i_12: u32) -> Psi {
         {
             let _e95 = c_2;
             let _e96 = candidate_node(_e95);
-            let _e97 = distance2_(p_3, _e31, _e96);
+            let _e97 = distance2_(p_4, _e31, _e96);
             let _e98 = d8_;
             if (_e97 < _e98) {
                 let _e102 = params.joint;
@@ -650,11 +686,11 @@ fn weights(i_12: u32) -> Psi {
                     let _e109 = candidate_node(_e108);
                     let _e112 = nodes[_e109].n;
                     let _e113 = dot3_(_e31, _e112);
-                    local_19 = (_e113 <= 0.7f);
+                    local_22 = (_e113 <= 0.7f);
                 } else {
-                    local_19 = false;
+                    local_22 = false;
                 }
-                let _e117 = local_19;
+                let _e117 = local_22;
                 if _e117 {
                     continue;
                 }
@@ -743,11 +779,11 @@ fn weights(i_12: u32) -> Psi {
     let _e212 = unfinished;
     if !(_e212) {
         let _e216 = c_2;
-        local_20 = (_e216 < end);
+        local_23 = (_e216 < end);
     } else {
-        local_20 = true;
+        local_23 = true;
     }
-    let _e219 = local_20;
+    let _e219 = local_23;
     unfinished = _e219;
     let _e220 = d0_;
     let _e221 = d1_;
@@ -782,39 +818,39 @@ fn weights(i_12: u32) -> Psi {
                 let _e252 = pending;
                 if !(_e252) {
                     let _e256 = k_1;
-                    local_21 = (_e256 < 18u);
+                    local_24 = (_e256 < 18u);
                 } else {
-                    local_21 = false;
+                    local_24 = false;
                 }
-                let _e260 = local_21;
+                let _e260 = local_24;
                 if _e260 {
                     let _e264 = found;
-                    local_22 = (_e264 < 5u);
+                    local_25 = (_e264 < 5u);
                 } else {
-                    local_22 = false;
+                    local_25 = false;
                 }
-                let _e268 = local_22;
+                let _e268 = local_25;
                 if _e268 {
                     let _e272 = orphan;
-                    local_23 = (_e272 == NONE);
+                    local_26 = (_e272 == NONE);
                 } else {
-                    local_23 = false;
+                    local_26 = false;
                 }
-                let _e276 = local_23;
+                let _e276 = local_26;
                 if _e276 {
                     let _e279 = k_1;
                     if !((_e279 < NEAREST)) {
                         let _e286 = found;
-                        local_25 = (_e286 == 0u);
+                        local_28 = (_e286 == 0u);
                     } else {
-                        local_25 = true;
+                        local_28 = true;
                     }
-                    let _e290 = local_25;
-                    local_24 = _e290;
+                    let _e290 = local_28;
+                    local_27 = _e290;
                 } else {
-                    local_24 = false;
+                    local_27 = false;
                 }
-                let _e292 = local_24;
+                let _e292 = local_27;
                 if _e292 {
                 } else {
                     break;
@@ -828,12 +864,12 @@ fn weights(i_12: u32) -> Psi {
                         let _e301 = k_1;
                         if !((_e301 >= NEAREST)) {
                             let _e307 = node_4;
-                            let _e308 = compatible(p_3, _e31, _e307);
-                            local_26 = _e308;
+                            let _e308 = compatible(p_4, _e31, _e307);
+                            local_29 = _e308;
                         } else {
-                            local_26 = true;
+                            local_29 = true;
                         }
-                        let _e310 = local_26;
+                        let _e310 = local_29;
                         if _e310 {
                             let _e311 = candidate_free(at_1);
                             pending = !(_e311);
@@ -854,20 +890,20 @@ fn weights(i_12: u32) -> Psi {
             let _e325 = pending;
             if _e325 {
                 let _e327 = node_4;
-                let q = nodes[_e327].p;
-                let _e333 = dot3_((p_3 - q), (p_3 - q));
+                let q_1 = nodes[_e327].p;
+                let _e333 = dot3_((p_4 - q_1), (p_4 - q_1));
                 let lift = max((0.1f * sqrt(_e333)), 0.000002f);
                 let _e339 = reach;
                 let up = (_e339 < 0f);
                 let _e342 = reach;
-                let start = (p_3 + (_e31 * min(lift, (0.5f * _e342))));
+                let start = (p_4 + (_e31 * min(lift, (0.5f * _e342))));
                 let _e349 = node_4;
                 let _e352 = nodes[_e349].n;
                 let _e354 = node_4;
                 let _e357 = nodes[_e354].clear;
-                let stop = (q + (_e352 * min(lift, (0.5f * _e357))));
+                let stop = (q_1 + (_e352 * min(lift, (0.5f * _e357))));
                 let _e364 = node_4;
-                let _e365 = crossed(p_3, _e31, _e32, _e364);
+                let _e365 = crossed(p_4, _e31, _e32, _e364);
                 look = Look(start, (stop - start), 1f, _e365);
                 if up {
                     far = 0f;
@@ -886,7 +922,7 @@ fn weights(i_12: u32) -> Psi {
                                 let _e384 = near_c[_e382];
                                 let _e385 = candidate_node(_e384);
                                 let _e388 = nodes[_e385].p;
-                                let d_3 = (p_3 - _e388);
+                                let d_3 = (p_4 - _e388);
                                 let _e390 = far;
                                 let _e391 = dot3_(d_3, d_3);
                                 far = max(_e390, sqrt(_e391));
@@ -898,71 +934,71 @@ fn weights(i_12: u32) -> Psi {
                         }
                     }
                     let _e397 = far;
-                    look = Look(p_3, _e31, (2f * ((0.1001f * _e397) + 0.000004f)), vec2<u32>(_e32, NONE));
+                    look = Look(p_4, _e31, (2f * ((0.1001f * _e397) + 0.000004f)), vec2<u32>(_e32, NONE));
                 }
                 let _e408 = look.origin;
                 let _e410 = look.direction;
                 let _e412 = look.t_max;
                 let _e414 = look.skip;
-                let _e416 = walk(_e408, _e410, _e412, _e414, !(up));
+                let _e417 = walk(_e408, _e410, _e412, _e414, !(up), vec3<f32>());
                 if up {
-                    reach = _e416.t;
-                    let _e419 = k_1;
-                    k_1 = (_e419 - 1u);
+                    reach = _e417.t;
+                    let _e420 = k_1;
+                    k_1 = (_e420 - 1u);
                 } else {
-                    if (_e416.tri == NONE) {
-                        let _e424 = k_1;
-                        let _e427 = k_1;
-                        let _e433 = near_d[((_e427 - 1u) % NEAREST)];
-                        let _e434 = node_4;
-                        take((_e424 - 1u), _e433, _e434);
+                    if (_e417.tri == NONE) {
+                        let _e425 = k_1;
+                        let _e428 = k_1;
+                        let _e434 = near_d[((_e428 - 1u) % NEAREST)];
+                        let _e435 = node_4;
+                        take((_e425 - 1u), _e434, _e435);
                     }
                 }
             }
         }
     }
-    let _e436 = found;
-    if (_e436 == 0u) {
-        let _e442 = orphan;
-        result.node.x = _e442;
-        let _e443 = result;
-        return _e443;
+    let _e437 = found;
+    if (_e437 == 0u) {
+        let _e443 = orphan;
+        result.node.x = _e443;
+        let _e444 = result;
+        return _e444;
     }
-    let _e446 = found;
-    let _e450 = found_d[(_e446 - 1u)];
-    let _e455 = found_d[4];
-    let _e457 = found;
-    let radius2_ = max(select((2.25f * _e450), _e455, (_e457 == 5u)), 0.00000000000000000001f);
+    let _e447 = found;
+    let _e451 = found_d[(_e447 - 1u)];
+    let _e456 = found_d[4];
+    let _e458 = found;
+    let radius2_ = max(select((2.25f * _e451), _e456, (_e458 == 5u)), 0.00000000000000000001f);
     loop {
-        let _e467 = k_2;
-        let _e469 = found;
-        if (_e467 < min(_e469, 4u)) {
+        let _e468 = k_2;
+        let _e470 = found;
+        if (_e468 < min(_e470, 4u)) {
         } else {
             break;
         }
         {
-            let _e474 = k_2;
-            let _e476 = found_d[_e474];
-            let t_1 = (max((1f - (_e476 / radius2_)), 0f) + 0.000001f);
-            let _e485 = k_2;
-            let _e488 = k_2;
-            let _e490 = found_n[_e488];
-            result.node[_e485] = _e490;
-            let _e492 = k_2;
-            result.weight[_e492] = (t_1 * t_1);
-            let _e495 = sum;
-            sum = (_e495 + (t_1 * t_1));
+            let _e475 = k_2;
+            let _e477 = found_d[_e475];
+            let t_1 = (max((1f - (_e477 / radius2_)), 0f) + 0.000001f);
+            let _e486 = k_2;
+            let _e489 = k_2;
+            let _e491 = found_n[_e489];
+            result.node[_e486] = _e491;
+            let _e493 = k_2;
+            result.weight[_e493] = (t_1 * t_1);
+            let _e496 = sum;
+            sum = (_e496 + (t_1 * t_1));
         }
         continuing {
-            let _e499 = k_2;
-            k_2 = (_e499 + 1u);
+            let _e500 = k_2;
+            k_2 = (_e500 + 1u);
         }
     }
-    let _e503 = result.weight;
-    let _e504 = sum;
-    result.weight = (_e503 / vec4(_e504));
-    let _e507 = result;
-    return _e507;
+    let _e504 = result.weight;
+    let _e505 = sum;
+    result.weight = (_e504 / vec4(_e505));
+    let _e508 = result;
+    return _e508;
 }
 
 @compute @workgroup_size(64, 1, 1) 
@@ -972,9 +1008,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         return;
     }
     let _e9 = params.base;
-    let i_13 = order[(_e9 + gid.x)];
-    let _e16 = weights(i_13);
-    psi[i_13] = _e16;
+    let i_14 = order[(_e9 + gid.x)];
+    let _e16 = weights(i_14);
+    psi[i_14] = _e16;
     finish();
     return;
 }

@@ -184,11 +184,11 @@ fn edge(a_2: vec2<f32>, b_2: vec2<f32>) -> f32 {
     } else {
         local_5 = true;
     }
-    let _e19 = local_5;
-    if _e19 {
-        return ((a_2.x * b_2.y) - (a_2.y * b_2.x));
-    }
-    return -(((b_2.x * a_2.y) - (b_2.y * a_2.x)));
+    let ordered = local_5;
+    let p_2 = select(b_2, a_2, ordered);
+    let q_1 = select(a_2, b_2, ordered);
+    let area = ((p_2.x * q_1.y) - (p_2.y * q_1.x));
+    return select(-(area), area, ordered);
 }
 
 fn enter(i_9: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
@@ -223,16 +223,17 @@ fn finish() {
 
 fn first_hit(tri_1: u32, p: vec3<f32>, direction_2: vec3<f32>) -> Met {
     let _e4 = tri_plane(tri_1);
-    let _e8 = walk(p, direction_2, F32_MAX, vec2<u32>(_e4, NONE), false);
-    if (_e8.tri == NONE) {
-        return Met(SKY, _e8);
+    let _e8 = tri_normal(tri_1);
+    let _e9 = walk(p, direction_2, F32_MAX, vec2<u32>(_e4, NONE), false, _e8);
+    if (_e9.tri == NONE) {
+        return Met(SKY, _e9);
     }
-    let _e15 = tri_normal(_e8.tri);
-    let _e16 = dot3_(_e15, direction_2);
-    if (_e16 < 0f) {
-        return Met(FRONT, _e8);
+    let _e16 = tri_normal(_e9.tri);
+    let _e17 = dot3_(_e16, direction_2);
+    if (_e17 < 0f) {
+        return Met(FRONT, _e9);
     }
-    return Met(BACK, _e8);
+    return Met(BACK, _e9);
 }
 
 fn hash(v: u32) -> u32 {
@@ -320,6 +321,22 @@ fn laine_karras(v_1: u32, seed: u32) -> u32 {
     let _e19 = x_1;
     let _e20 = x_1;
     return (_e19 ^ (_e20 * 2367878886u));
+}
+
+fn lies_on(i_14: u32, origin_2: vec3<f32>, base: vec3<f32>) -> bool {
+    var local_14: bool;
+    let _e3 = tri_normal(i_14);
+    let _e4 = dot3_(_e3, base);
+    if (_e4 < -0.99999f) {
+        let _e9 = tri_normal(i_14);
+        let _e10 = tri_v0_(i_14);
+        let _e12 = dot3_(_e9, (_e10 - origin_2));
+        local_14 = (abs(_e12) < 0.000001f);
+    } else {
+        local_14 = false;
+    }
+    let _e17 = local_14;
+    return _e17;
 }
 
 fn meet_triangle(i_13: u32, origin_1: vec3<f32>, s_1: Shear, t_max_1: f32) -> Hit {
@@ -412,17 +429,17 @@ fn place_in_tile(n: u32, k: u32, a: f32, b: f32) -> vec2<f32> {
     let _e28 = rows;
     rows = (_e24 + select(0u, 1u, ((_e27 * _e28) < left)));
     let _e33 = rows;
-    let i_15 = (n - _e33);
-    let in_row = (k - (i_15 * ((2u * n) - i_15)));
+    let i_16 = (n - _e33);
+    let in_row = (k - (i_16 * ((2u * n) - i_16)));
     let j = (in_row / 2u);
     let root = sqrt(a);
     let s_2 = (root * (1f - b));
     let t = (root * b);
     let scale = (1f / f32(n));
     if ((in_row % 2u) == 0u) {
-        return vec2<f32>(((f32(i_15) + s_2) * scale), ((f32(j) + t) * scale));
+        return vec2<f32>(((f32(i_16) + s_2) * scale), ((f32(j) + t) * scale));
     }
-    return vec2<f32>((((f32(i_15) + 1f) - s_2) * scale), (((f32(j) + 1f) - t) * scale));
+    return vec2<f32>((((f32(i_16) + 1f) - s_2) * scale), (((f32(j) + 1f) - t) * scale));
 }
 
 fn position(tri: u32, b1_: f32, b2_: f32) -> vec3<f32> {
@@ -558,20 +575,20 @@ fn tangents(n_1: vec3<f32>) -> Tangents {
 }
 
 fn tile_of(tri_2: u32, b1_1: f32, b2_1: f32) -> u32 {
-    var local_21: bool;
+    var local_24: bool;
     let _e3 = tri_split(tri_2);
     let x_7 = (max(b1_1, 0f) * f32(_e3));
     let y = (max(b2_1, 0f) * f32(_e3));
-    let i_16 = min(u32(x_7), (_e3 - 1u));
-    let j_1 = min(u32(y), ((_e3 - 1u) - i_16));
-    if (((x_7 - f32(i_16)) + (y - f32(j_1))) > 1f) {
-        local_21 = ((j_1 + 1u) < (_e3 - i_16));
+    let i_17 = min(u32(x_7), (_e3 - 1u));
+    let j_1 = min(u32(y), ((_e3 - 1u) - i_17));
+    if (((x_7 - f32(i_17)) + (y - f32(j_1))) > 1f) {
+        local_24 = ((j_1 + 1u) < (_e3 - i_17));
     } else {
-        local_21 = false;
+        local_24 = false;
     }
-    let upper = local_21;
+    let upper = local_24;
     let _e36 = tri_first_tile(tri_2);
-    return (((_e36 + (i_16 * ((2u * _e3) - i_16))) + (2u * j_1)) + select(0u, 1u, upper));
+    return (((_e36 + (i_17 * ((2u * _e3) - i_17))) + (2u * j_1)) + select(0u, 1u, upper));
 }
 
 fn tri_first_tile(i_2: u32) -> u32 {
@@ -617,178 +634,198 @@ fn unit(x_4: u32) -> f32 {
     return (f32((x_4 >> 8u)) * 0.000000059604645f);
 }
 
-fn walk(origin_2: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool, base_1: vec3<f32>) -> Hit {
     var hit: Hit;
     var stack: array<u32, 48>;
     var top: u32 = 0u;
     var at: u32 = 0u;
     var open: bool;
     var pop: bool;
-    var i_14: u32;
-    var local_14: bool;
+    var i_15: u32;
     var local_15: bool;
-    var met: Hit;
     var local_16: bool;
+    var met: Hit;
     var local_17: bool;
     var local_18: bool;
     var local_19: bool;
     var local_20: bool;
-    let _e5 = shear(direction_1);
-    let _e7 = nonzero(direction_1.x);
-    let _e11 = nonzero(direction_1.y);
-    let _e15 = nonzero(direction_1.z);
-    let inv_1 = vec3<f32>((1f / _e7), (1f / _e11), (1f / _e15));
+    var local_21: bool;
+    var local_22: bool;
+    var local_23: bool;
+    let _e6 = shear(direction_1);
+    let _e8 = nonzero(direction_1.x);
+    let _e12 = nonzero(direction_1.y);
+    let _e16 = nonzero(direction_1.z);
+    let inv_1 = vec3<f32>((1f / _e8), (1f / _e12), (1f / _e16));
     hit = Hit(t_max_2, NONE, 0f, 0f);
-    let _e31 = hit.t;
-    let _e32 = enter(0u, origin_2, inv_1, _e31);
-    open = (_e32 < F32_MAX);
+    let _e32 = hit.t;
+    let _e33 = enter(0u, origin_3, inv_1, _e32);
+    open = (_e33 < F32_MAX);
     loop {
-        let _e36 = open;
-        if _e36 {
+        let _e37 = open;
+        if _e37 {
         } else {
             break;
         }
         {
-            let _e37 = at;
-            let _e38 = box_count(_e37);
-            let _e39 = at;
-            let _e40 = box_first(_e39);
+            let _e38 = at;
+            let _e39 = box_count(_e38);
+            let _e40 = at;
+            let _e41 = box_first(_e40);
             pop = true;
-            if (_e38 > 0u) {
-                i_14 = _e40;
+            if (_e39 > 0u) {
+                i_15 = _e41;
                 loop {
-                    let _e46 = i_14;
-                    if (_e46 < (_e40 + _e38)) {
+                    let _e47 = i_15;
+                    if (_e47 < (_e41 + _e39)) {
                     } else {
                         break;
                     }
                     {
-                        let _e49 = i_14;
-                        let _e50 = tri_plane(_e49);
-                        if !((_e50 == skip.x)) {
-                            local_14 = (_e50 == skip.y);
+                        let _e50 = i_15;
+                        let _e51 = tri_plane(_e50);
+                        if !((_e51 == skip.x)) {
+                            local_15 = (_e51 == skip.y);
                         } else {
-                            local_14 = true;
+                            local_15 = true;
                         }
-                        let _e59 = local_14;
-                        if _e59 {
+                        let _e60 = local_15;
+                        if _e60 {
                             continue;
                         }
-                        if ((_e50 & TWIN) != 0u) {
-                            let _e66 = i_14;
-                            let _e67 = tri_normal(_e66);
-                            let _e68 = dot3_(_e67, direction_1);
-                            local_15 = (_e68 >= 0f);
+                        if ((_e51 & TWIN) != 0u) {
+                            let _e67 = i_15;
+                            let _e68 = tri_normal(_e67);
+                            let _e69 = dot3_(_e68, direction_1);
+                            local_16 = (_e69 >= 0f);
                         } else {
-                            local_15 = false;
+                            local_16 = false;
                         }
-                        let _e72 = local_15;
-                        if _e72 {
+                        let _e73 = local_16;
+                        if _e73 {
                             continue;
                         }
                         met = Hit();
-                        let _e75 = i_14;
-                        let _e77 = hit.t;
-                        let _e78 = meet_triangle(_e75, origin_2, _e5, _e77);
-                        met = _e78;
-                        let _e80 = met.tri;
-                        if (_e80 != NONE) {
-                            let _e83 = i_14;
-                            let _e84 = tri_normal(_e83);
-                            let _e85 = dot3_(_e84, direction_1);
-                            let _e87 = met.t;
-                            let _e92 = met.t;
-                            let behind = select(((t_max_2 - _e87) * -(_e85)), (_e92 * _e85), (_e85 > 0f));
-                            if (behind < 0.0000004f) {
-                                if !((_e85 > 0f)) {
-                                    local_17 = any_hit;
-                                } else {
-                                    local_17 = true;
-                                }
-                                let _e107 = local_17;
-                                local_16 = _e107;
+                        let _e76 = i_15;
+                        let _e78 = hit.t;
+                        let _e79 = meet_triangle(_e76, origin_3, _e6, _e78);
+                        met = _e79;
+                        let _e81 = met.tri;
+                        if (_e81 != NONE) {
+                            let _e84 = i_15;
+                            let _e85 = tri_normal(_e84);
+                            let _e86 = dot3_(_e85, direction_1);
+                            if (_e86 < 0f) {
+                                let _e92 = met.t;
+                                local_17 = ((_e92 * -(_e86)) < 0.000001f);
                             } else {
-                                local_16 = false;
+                                local_17 = false;
                             }
-                            let _e109 = local_16;
-                            if _e109 {
+                            let _e98 = local_17;
+                            if _e98 {
+                                let _e101 = i_15;
+                                let _e102 = lies_on(_e101, origin_3, base_1);
+                                local_18 = _e102;
+                            } else {
+                                local_18 = false;
+                            }
+                            let _e104 = local_18;
+                            if _e104 {
                                 continue;
                             }
-                            let _e110 = met;
-                            hit = _e110;
+                            let _e106 = met.t;
+                            let _e111 = met.t;
+                            let behind = select(((t_max_2 - _e106) * -(_e86)), (_e111 * _e86), (_e86 > 0f));
+                            if (behind < 0.0000004f) {
+                                if !((_e86 > 0f)) {
+                                    local_20 = any_hit;
+                                } else {
+                                    local_20 = true;
+                                }
+                                let _e126 = local_20;
+                                local_19 = _e126;
+                            } else {
+                                local_19 = false;
+                            }
+                            let _e128 = local_19;
+                            if _e128 {
+                                continue;
+                            }
+                            let _e129 = met;
+                            hit = _e129;
                             if any_hit {
-                                let _e111 = hit;
-                                return _e111;
+                                let _e130 = hit;
+                                return _e130;
                             }
                         }
                     }
                     continuing {
-                        let _e113 = i_14;
-                        i_14 = (_e113 + 1u);
+                        let _e132 = i_15;
+                        i_15 = (_e132 + 1u);
                     }
                 }
-                let _e117 = unfinished;
-                if !(_e117) {
-                    let _e121 = i_14;
-                    local_18 = (_e121 < (_e40 + _e38));
+                let _e136 = unfinished;
+                if !(_e136) {
+                    let _e140 = i_15;
+                    local_21 = (_e140 < (_e41 + _e39));
                 } else {
-                    local_18 = true;
+                    local_21 = true;
                 }
-                let _e125 = local_18;
-                unfinished = _e125;
+                let _e144 = local_21;
+                unfinished = _e144;
             } else {
-                let _e127 = hit.t;
-                let _e128 = enter(_e40, origin_2, inv_1, _e127);
-                let _e132 = hit.t;
-                let _e133 = enter((_e40 + 1u), origin_2, inv_1, _e132);
-                let swap = (_e128 > _e133);
-                let far_1 = max(_e128, _e133);
-                if (min(_e128, _e133) < F32_MAX) {
+                let _e146 = hit.t;
+                let _e147 = enter(_e41, origin_3, inv_1, _e146);
+                let _e151 = hit.t;
+                let _e152 = enter((_e41 + 1u), origin_3, inv_1, _e151);
+                let swap = (_e147 > _e152);
+                let far_1 = max(_e147, _e152);
+                if (min(_e147, _e152) < F32_MAX) {
                     if (far_1 < F32_MAX) {
-                        let _e143 = unfinished;
-                        if !(_e143) {
-                            let _e147 = top;
-                            local_19 = (_e147 >= STACK);
+                        let _e162 = unfinished;
+                        if !(_e162) {
+                            let _e166 = top;
+                            local_22 = (_e166 >= STACK);
                         } else {
-                            local_19 = true;
+                            local_22 = true;
                         }
-                        let _e151 = local_19;
-                        unfinished = _e151;
-                        let _e152 = top;
-                        stack[min(_e152, 47u)] = select((_e40 + 1u), _e40, swap);
-                        let _e160 = top;
-                        top = (_e160 + 1u);
+                        let _e170 = local_22;
+                        unfinished = _e170;
+                        let _e171 = top;
+                        stack[min(_e171, 47u)] = select((_e41 + 1u), _e41, swap);
+                        let _e179 = top;
+                        top = (_e179 + 1u);
                     }
-                    at = select(_e40, (_e40 + 1u), swap);
+                    at = select(_e41, (_e41 + 1u), swap);
                     pop = false;
                 }
             }
-            let _e166 = pop;
-            if _e166 {
-                let _e167 = top;
-                if (_e167 == 0u) {
+            let _e185 = pop;
+            if _e185 {
+                let _e186 = top;
+                if (_e186 == 0u) {
                     open = false;
                 } else {
-                    let _e172 = top;
-                    top = (_e172 - 1u);
-                    let _e174 = top;
-                    let _e178 = stack[min(_e174, 47u)];
-                    at = _e178;
+                    let _e191 = top;
+                    top = (_e191 - 1u);
+                    let _e193 = top;
+                    let _e197 = stack[min(_e193, 47u)];
+                    at = _e197;
                 }
             }
         }
     }
-    let _e181 = unfinished;
-    if !(_e181) {
-        let _e185 = open;
-        local_20 = _e185;
+    let _e200 = unfinished;
+    if !(_e200) {
+        let _e204 = open;
+        local_23 = _e204;
     } else {
-        local_20 = true;
+        local_23 = true;
     }
-    let _e187 = local_20;
-    unfinished = _e187;
-    let _e188 = hit;
-    return _e188;
+    let _e206 = local_23;
+    unfinished = _e206;
+    let _e207 = hit;
+    return _e207;
 }
 
 @compute @workgroup_size(64, 1, 1) 
@@ -811,9 +848,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         return;
     }
     let _e29 = params.first;
-    let i_17 = (_e29 + item);
+    let i_18 = (_e29 + item);
     let _e33 = params.seed;
-    let _e34 = sobol4_(i_17, _e33);
+    let _e34 = sobol4_(i_18, _e33);
     let _e37 = params.tiles;
     let _e39 = invert_cdf(_e37, _e34.x);
     let tri_4 = tile_tri[_e39.index];

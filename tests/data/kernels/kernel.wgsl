@@ -114,11 +114,11 @@ fn edge(a_1: vec2<f32>, b_1: vec2<f32>) -> f32 {
     } else {
         local_2 = true;
     }
-    let _e19 = local_2;
-    if _e19 {
-        return ((a_1.x * b_1.y) - (a_1.y * b_1.x));
-    }
-    return -(((b_1.x * a_1.y) - (b_1.y * a_1.x)));
+    let ordered = local_2;
+    let p = select(b_1, a_1, ordered);
+    let q = select(a_1, b_1, ordered);
+    let area = ((p.x * q.y) - (p.y * q.x));
+    return select(-(area), area, ordered);
 }
 
 fn enter(i_4: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
@@ -168,6 +168,22 @@ fn kernel_g(x: vec3<f32>, nx: vec3<f32>, y: vec3<f32>, ny: vec3<f32>) -> f32 {
     let cos_y_1 = max((-(_e15) / r_1), 0f);
     let _e20 = geometric(cos_x_1, cos_y_1, r_1);
     return _e20;
+}
+
+fn lies_on(i_11: u32, origin_2: vec3<f32>, base: vec3<f32>) -> bool {
+    var local_11: bool;
+    let _e3 = tri_normal(i_11);
+    let _e4 = dot3_(_e3, base);
+    if (_e4 < -0.99999f) {
+        let _e9 = tri_normal(i_11);
+        let _e10 = tri_v0_(i_11);
+        let _e12 = dot3_(_e9, (_e10 - origin_2));
+        local_11 = (abs(_e12) < 0.000001f);
+    } else {
+        local_11 = false;
+    }
+    let _e17 = local_11;
+    return _e17;
 }
 
 fn meet_triangle(i_10: u32, origin_1: vec3<f32>, s: Shear, t_max_1: f32) -> Hit {
@@ -248,16 +264,16 @@ fn nonzero(x_1: f32) -> f32 {
 }
 
 fn pair(x_2: u32, y_1: u32) -> f32 {
-    var local_18: bool;
-    var local_19: bool;
+    var local_21: bool;
+    var local_22: bool;
     let tx = points[x_2].tri;
     let ty = points[y_1].tri;
     if !((tx == NONE)) {
-        local_18 = (ty == NONE);
+        local_21 = (ty == NONE);
     } else {
-        local_18 = true;
+        local_21 = true;
     }
-    let _e18 = local_18;
+    let _e18 = local_21;
     if _e18 {
         return 0f;
     }
@@ -276,11 +292,11 @@ fn pair(x_2: u32, y_1: u32) -> f32 {
         let _e45 = points[x_2].p;
         let _e49 = points[y_1].p;
         let _e50 = segment_blocked(_e45, _e49, planes);
-        local_19 = !(_e50);
+        local_22 = !(_e50);
     } else {
-        local_19 = false;
+        local_22 = false;
     }
-    let _e53 = local_19;
+    let _e53 = local_22;
     if _e53 {
         return _e37;
     }
@@ -288,8 +304,8 @@ fn pair(x_2: u32, y_1: u32) -> f32 {
 }
 
 fn segment_blocked(a_2: vec3<f32>, b_2: vec3<f32>, skip_1: vec2<u32>) -> bool {
-    let _e6 = walk(a_2, (b_2 - a_2), 1f, skip_1, true);
-    return (_e6.tri != NONE);
+    let _e7 = walk(a_2, (b_2 - a_2), 1f, skip_1, true, vec3<f32>());
+    return (_e7.tri != NONE);
 }
 
 fn shear(direction: vec3<f32>) -> Shear {
@@ -344,178 +360,198 @@ fn turned(v: vec3<f32>, kz: u32) -> vec3<f32> {
     return select(select(v.xyz, v.zxy, (kz == 1u)), v.yzx, (kz == 0u));
 }
 
-fn walk(origin_2: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool) -> Hit {
+fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u32>, any_hit: bool, base_1: vec3<f32>) -> Hit {
     var hit: Hit;
     var stack: array<u32, 48>;
     var top: u32 = 0u;
     var at: u32 = 0u;
     var open: bool;
     var pop: bool;
-    var i_11: u32;
-    var local_11: bool;
+    var i_12: u32;
     var local_12: bool;
-    var met: Hit;
     var local_13: bool;
+    var met: Hit;
     var local_14: bool;
     var local_15: bool;
     var local_16: bool;
     var local_17: bool;
-    let _e5 = shear(direction_1);
-    let _e7 = nonzero(direction_1.x);
-    let _e11 = nonzero(direction_1.y);
-    let _e15 = nonzero(direction_1.z);
-    let inv_1 = vec3<f32>((1f / _e7), (1f / _e11), (1f / _e15));
+    var local_18: bool;
+    var local_19: bool;
+    var local_20: bool;
+    let _e6 = shear(direction_1);
+    let _e8 = nonzero(direction_1.x);
+    let _e12 = nonzero(direction_1.y);
+    let _e16 = nonzero(direction_1.z);
+    let inv_1 = vec3<f32>((1f / _e8), (1f / _e12), (1f / _e16));
     hit = Hit(t_max_2, NONE, 0f, 0f);
-    let _e31 = hit.t;
-    let _e32 = enter(0u, origin_2, inv_1, _e31);
-    open = (_e32 < F32_MAX);
+    let _e32 = hit.t;
+    let _e33 = enter(0u, origin_3, inv_1, _e32);
+    open = (_e33 < F32_MAX);
     loop {
-        let _e36 = open;
-        if _e36 {
+        let _e37 = open;
+        if _e37 {
         } else {
             break;
         }
         {
-            let _e37 = at;
-            let _e38 = box_count(_e37);
-            let _e39 = at;
-            let _e40 = box_first(_e39);
+            let _e38 = at;
+            let _e39 = box_count(_e38);
+            let _e40 = at;
+            let _e41 = box_first(_e40);
             pop = true;
-            if (_e38 > 0u) {
-                i_11 = _e40;
+            if (_e39 > 0u) {
+                i_12 = _e41;
                 loop {
-                    let _e46 = i_11;
-                    if (_e46 < (_e40 + _e38)) {
+                    let _e47 = i_12;
+                    if (_e47 < (_e41 + _e39)) {
                     } else {
                         break;
                     }
                     {
-                        let _e49 = i_11;
-                        let _e50 = tri_plane(_e49);
-                        if !((_e50 == skip.x)) {
-                            local_11 = (_e50 == skip.y);
+                        let _e50 = i_12;
+                        let _e51 = tri_plane(_e50);
+                        if !((_e51 == skip.x)) {
+                            local_12 = (_e51 == skip.y);
                         } else {
-                            local_11 = true;
+                            local_12 = true;
                         }
-                        let _e59 = local_11;
-                        if _e59 {
+                        let _e60 = local_12;
+                        if _e60 {
                             continue;
                         }
-                        if ((_e50 & TWIN) != 0u) {
-                            let _e66 = i_11;
-                            let _e67 = tri_normal(_e66);
-                            let _e68 = dot3_(_e67, direction_1);
-                            local_12 = (_e68 >= 0f);
+                        if ((_e51 & TWIN) != 0u) {
+                            let _e67 = i_12;
+                            let _e68 = tri_normal(_e67);
+                            let _e69 = dot3_(_e68, direction_1);
+                            local_13 = (_e69 >= 0f);
                         } else {
-                            local_12 = false;
+                            local_13 = false;
                         }
-                        let _e72 = local_12;
-                        if _e72 {
+                        let _e73 = local_13;
+                        if _e73 {
                             continue;
                         }
                         met = Hit();
-                        let _e75 = i_11;
-                        let _e77 = hit.t;
-                        let _e78 = meet_triangle(_e75, origin_2, _e5, _e77);
-                        met = _e78;
-                        let _e80 = met.tri;
-                        if (_e80 != NONE) {
-                            let _e83 = i_11;
-                            let _e84 = tri_normal(_e83);
-                            let _e85 = dot3_(_e84, direction_1);
-                            let _e87 = met.t;
-                            let _e92 = met.t;
-                            let behind = select(((t_max_2 - _e87) * -(_e85)), (_e92 * _e85), (_e85 > 0f));
-                            if (behind < 0.0000004f) {
-                                if !((_e85 > 0f)) {
-                                    local_14 = any_hit;
-                                } else {
-                                    local_14 = true;
-                                }
-                                let _e107 = local_14;
-                                local_13 = _e107;
+                        let _e76 = i_12;
+                        let _e78 = hit.t;
+                        let _e79 = meet_triangle(_e76, origin_3, _e6, _e78);
+                        met = _e79;
+                        let _e81 = met.tri;
+                        if (_e81 != NONE) {
+                            let _e84 = i_12;
+                            let _e85 = tri_normal(_e84);
+                            let _e86 = dot3_(_e85, direction_1);
+                            if (_e86 < 0f) {
+                                let _e92 = met.t;
+                                local_14 = ((_e92 * -(_e86)) < 0.000001f);
                             } else {
-                                local_13 = false;
+                                local_14 = false;
                             }
-                            let _e109 = local_13;
-                            if _e109 {
+                            let _e98 = local_14;
+                            if _e98 {
+                                let _e101 = i_12;
+                                let _e102 = lies_on(_e101, origin_3, base_1);
+                                local_15 = _e102;
+                            } else {
+                                local_15 = false;
+                            }
+                            let _e104 = local_15;
+                            if _e104 {
                                 continue;
                             }
-                            let _e110 = met;
-                            hit = _e110;
+                            let _e106 = met.t;
+                            let _e111 = met.t;
+                            let behind = select(((t_max_2 - _e106) * -(_e86)), (_e111 * _e86), (_e86 > 0f));
+                            if (behind < 0.0000004f) {
+                                if !((_e86 > 0f)) {
+                                    local_17 = any_hit;
+                                } else {
+                                    local_17 = true;
+                                }
+                                let _e126 = local_17;
+                                local_16 = _e126;
+                            } else {
+                                local_16 = false;
+                            }
+                            let _e128 = local_16;
+                            if _e128 {
+                                continue;
+                            }
+                            let _e129 = met;
+                            hit = _e129;
                             if any_hit {
-                                let _e111 = hit;
-                                return _e111;
+                                let _e130 = hit;
+                                return _e130;
                             }
                         }
                     }
                     continuing {
-                        let _e113 = i_11;
-                        i_11 = (_e113 + 1u);
+                        let _e132 = i_12;
+                        i_12 = (_e132 + 1u);
                     }
                 }
-                let _e117 = unfinished;
-                if !(_e117) {
-                    let _e121 = i_11;
-                    local_15 = (_e121 < (_e40 + _e38));
+                let _e136 = unfinished;
+                if !(_e136) {
+                    let _e140 = i_12;
+                    local_18 = (_e140 < (_e41 + _e39));
                 } else {
-                    local_15 = true;
+                    local_18 = true;
                 }
-                let _e125 = local_15;
-                unfinished = _e125;
+                let _e144 = local_18;
+                unfinished = _e144;
             } else {
-                let _e127 = hit.t;
-                let _e128 = enter(_e40, origin_2, inv_1, _e127);
-                let _e132 = hit.t;
-                let _e133 = enter((_e40 + 1u), origin_2, inv_1, _e132);
-                let swap = (_e128 > _e133);
-                let far_1 = max(_e128, _e133);
-                if (min(_e128, _e133) < F32_MAX) {
+                let _e146 = hit.t;
+                let _e147 = enter(_e41, origin_3, inv_1, _e146);
+                let _e151 = hit.t;
+                let _e152 = enter((_e41 + 1u), origin_3, inv_1, _e151);
+                let swap = (_e147 > _e152);
+                let far_1 = max(_e147, _e152);
+                if (min(_e147, _e152) < F32_MAX) {
                     if (far_1 < F32_MAX) {
-                        let _e143 = unfinished;
-                        if !(_e143) {
-                            let _e147 = top;
-                            local_16 = (_e147 >= STACK);
+                        let _e162 = unfinished;
+                        if !(_e162) {
+                            let _e166 = top;
+                            local_19 = (_e166 >= STACK);
                         } else {
-                            local_16 = true;
+                            local_19 = true;
                         }
-                        let _e151 = local_16;
-                        unfinished = _e151;
-                        let _e152 = top;
-                        stack[min(_e152, 47u)] = select((_e40 + 1u), _e40, swap);
-                        let _e160 = top;
-                        top = (_e160 + 1u);
+                        let _e170 = local_19;
+                        unfinished = _e170;
+                        let _e171 = top;
+                        stack[min(_e171, 47u)] = select((_e41 + 1u), _e41, swap);
+                        let _e179 = top;
+                        top = (_e179 + 1u);
                     }
-                    at = select(_e40, (_e40 + 1u), swap);
+                    at = select(_e41, (_e41 + 1u), swap);
                     pop = false;
                 }
             }
-            let _e166 = pop;
-            if _e166 {
-                let _e167 = top;
-                if (_e167 == 0u) {
+            let _e185 = pop;
+            if _e185 {
+                let _e186 = top;
+                if (_e186 == 0u) {
                     open = false;
                 } else {
-                    let _e172 = top;
-                    top = (_e172 - 1u);
-                    let _e174 = top;
-                    let _e178 = stack[min(_e174, 47u)];
-                    at = _e178;
+                    let _e191 = top;
+                    top = (_e191 - 1u);
+                    let _e193 = top;
+                    let _e197 = stack[min(_e193, 47u)];
+                    at = _e197;
                 }
             }
         }
     }
-    let _e181 = unfinished;
-    if !(_e181) {
-        let _e185 = open;
-        local_17 = _e185;
+    let _e200 = unfinished;
+    if !(_e200) {
+        let _e204 = open;
+        local_20 = _e204;
     } else {
-        local_17 = true;
+        local_20 = true;
     }
-    let _e187 = local_17;
-    unfinished = _e187;
-    let _e188 = hit;
-    return _e188;
+    let _e206 = local_20;
+    unfinished = _e206;
+    let _e207 = hit;
+    return _e207;
 }
 
 @compute @workgroup_size(64, 1, 1) 
@@ -525,9 +561,9 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         return;
     }
     let _e8 = params.base;
-    let i_12 = (_e8 + gid.x);
-    let _e19 = pair((2u * i_12), ((2u * i_12) + 1u));
-    values[i_12] = _e19;
+    let i_13 = (_e8 + gid.x);
+    let _e19 = pair((2u * i_13), ((2u * i_13) + 1u));
+    values[i_13] = _e19;
     finish();
     return;
 }

@@ -4,8 +4,6 @@ const COUNT: u32 = 26u;
 
 const ERROR: u32 = 30u;
 
-const F32_MAX: f32 = 340282350000000000000000000000000000000f;
-
 const GAIN: u32 = 32u;
 
 const NONE: u32 = 4294967295u;
@@ -63,7 +61,22 @@ var<storage, read_write> sums: array<atomic<u32>>;
 @group(0) @binding(7) 
 var<storage, read_write> status: array<atomic<u32>>;
 
+var<private> least: f32 = 340282350000000000000000000000000000000f;
+
+var<private> nearest: u32 = 0u;
+
 var<private> unfinished: bool = false;
+
+fn activation(input_1: u32, winner_1: u32, i_2: u32) -> f32 {
+    let _e4 = nearest;
+    if (i_2 == _e4) {
+        return 1f;
+    }
+    let _e8 = least;
+    let _e9 = answering(winner_1, i_2);
+    let _e10 = exponent(input_1, _e9);
+    return exp(min((_e8 - _e10), 0f));
+}
 
 fn add_sum(word: u32, value_1: f32, power_1: i32) {
     let _e3 = encode(value_1, power_1);
@@ -184,7 +197,6 @@ fn finish() {
 
 @compute @workgroup_size(64, 1, 1) 
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
-    var least: f32 = F32_MAX;
     var i: u32 = 0u;
     var local: bool;
     var all_: f32 = 0f;
@@ -199,194 +211,196 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         return;
     }
     let _e8 = params.base;
-    let input_1 = (_e8 + gid.x);
-    let winner_1 = samples[input_1].winner;
-    if (winner_1 == NONE) {
-        samples[input_1].output = 0f;
+    let input_2 = (_e8 + gid.x);
+    let winner_2 = samples[input_2].winner;
+    if (winner_2 == NONE) {
+        samples[input_2].output = 0f;
         return;
     }
-    let _e26 = graph[(winner_1 + 1u)];
-    let _e30 = graph[winner_1];
+    let _e26 = graph[(winner_2 + 1u)];
+    let _e30 = graph[winner_2];
     let _e35 = params.linear;
     let count = select(((1u + _e26) - _e30), 1u, (_e35 == 1u));
     loop {
-        let _e43 = i;
-        if (_e43 < count) {
+        let _e41 = i;
+        if (_e41 < count) {
         } else {
             break;
         }
         {
-            let _e45 = least;
-            let _e46 = i;
-            let _e47 = answering(winner_1, _e46);
-            let _e48 = exponent(input_1, _e47);
-            least = min(_e45, _e48);
+            let _e43 = i;
+            let _e44 = answering(winner_2, _e43);
+            let _e45 = exponent(input_2, _e44);
+            let _e47 = least;
+            if (_e45 < _e47) {
+                least = _e45;
+                let _e51 = i;
+                nearest = _e51;
+            }
         }
         continuing {
-            let _e51 = i;
-            i = (_e51 + 1u);
+            let _e53 = i;
+            i = (_e53 + 1u);
         }
     }
-    let _e55 = unfinished;
-    if !(_e55) {
-        let _e59 = i;
-        local = (_e59 < count);
+    let _e57 = unfinished;
+    if !(_e57) {
+        let _e61 = i;
+        local = (_e61 < count);
     } else {
         local = true;
     }
-    let _e62 = local;
-    unfinished = _e62;
+    let _e64 = local;
+    unfinished = _e64;
     i = 0u;
     loop {
-        let _e66 = i;
-        if (_e66 < count) {
+        let _e68 = i;
+        if (_e68 < count) {
         } else {
             break;
         }
         {
-            let _e68 = all_;
-            let _e69 = least;
-            let _e70 = i;
-            let _e71 = answering(winner_1, _e70);
-            let _e72 = exponent(input_1, _e71);
-            all_ = (_e68 + exp((_e69 - _e72)));
+            let _e70 = all_;
+            let _e71 = i;
+            let _e72 = activation(input_2, winner_2, _e71);
+            all_ = (_e70 + _e72);
         }
         continuing {
-            let _e77 = i;
-            i = (_e77 + 1u);
+            let _e75 = i;
+            i = (_e75 + 1u);
         }
     }
-    let _e81 = unfinished;
-    if !(_e81) {
-        let _e85 = i;
-        local_1 = (_e85 < count);
+    let _e79 = unfinished;
+    if !(_e79) {
+        let _e83 = i;
+        local_1 = (_e83 < count);
     } else {
         local_1 = true;
     }
-    let _e88 = local_1;
-    unfinished = _e88;
-    let _e93 = params.linear;
-    if (_e93 == 1u) {
-        let _e99 = outputs[winner_1].value;
-        output = _e99;
+    let _e86 = local_1;
+    unfinished = _e86;
+    let _e91 = params.linear;
+    if (_e91 == 1u) {
+        let _e97 = outputs[winner_2].value;
+        output = _e97;
         loop {
-            let _e102 = k;
-            if (_e102 < 13u) {
+            let _e100 = k;
+            if (_e100 < 13u) {
             } else {
                 break;
             }
             {
-                let _e108 = k;
-                let _e113 = k;
-                let _e117 = inputs[((4u * input_1) + (_e108 / 4u))][(_e113 % 4u)];
-                let _e121 = k;
-                let _e126 = k;
-                let _e130 = cells[((4u * winner_1) + (_e121 / 4u))][(_e126 % 4u)];
-                let e_1 = (_e117 - _e130);
-                let _e132 = output;
-                let _e136 = k;
-                let _e138 = outputs[winner_1].slope[_e136];
-                output = (_e132 + (_e138 * e_1));
+                let _e106 = k;
+                let _e111 = k;
+                let _e115 = inputs[((4u * input_2) + (_e106 / 4u))][(_e111 % 4u)];
+                let _e119 = k;
+                let _e124 = k;
+                let _e128 = cells[((4u * winner_2) + (_e119 / 4u))][(_e124 % 4u)];
+                let e_1 = (_e115 - _e128);
+                let _e130 = output;
+                let _e134 = k;
+                let _e136 = outputs[winner_2].slope[_e134];
+                output = (_e130 + (_e136 * e_1));
             }
             continuing {
-                let _e142 = k;
-                k = (_e142 + 1u);
+                let _e140 = k;
+                k = (_e140 + 1u);
             }
         }
     } else {
         i = 0u;
         loop {
-            let _e145 = i;
-            if (_e145 < count) {
+            let _e143 = i;
+            if (_e143 < count) {
             } else {
                 break;
             }
             {
-                let _e147 = i;
-                let _e148 = answering(winner_1, _e147);
-                let _e149 = output;
-                let _e150 = least;
-                let _e151 = exponent(input_1, _e148);
-                let _e154 = all_;
-                let _e159 = outputs[_e148].value;
-                output = (_e149 + ((exp((_e150 - _e151)) / _e154) * _e159));
+                let _e145 = output;
+                let _e146 = i;
+                let _e147 = activation(input_2, winner_2, _e146);
+                let _e148 = all_;
+                let _e151 = i;
+                let _e152 = answering(winner_2, _e151);
+                let _e155 = outputs[_e152].value;
+                output = (_e145 + ((_e147 / _e148) * _e155));
             }
             continuing {
-                let _e163 = i;
-                i = (_e163 + 1u);
+                let _e159 = i;
+                i = (_e159 + 1u);
             }
         }
-        let _e167 = unfinished;
-        if !(_e167) {
-            let _e171 = i;
-            local_2 = (_e171 < count);
+        let _e163 = unfinished;
+        if !(_e163) {
+            let _e167 = i;
+            local_2 = (_e167 < count);
         } else {
             local_2 = true;
         }
-        let _e174 = local_2;
-        unfinished = _e174;
+        let _e170 = local_2;
+        unfinished = _e170;
     }
-    let _e178 = output;
-    samples[input_1].output = _e178;
-    let _e182 = samples[input_1].goal;
-    let _e183 = output;
-    let error = (_e182 - _e183);
-    let weight = samples[input_1].weight;
-    let at = (WORDS * winner_1);
+    let _e174 = output;
+    samples[input_2].output = _e174;
+    let _e178 = samples[input_2].goal;
+    let _e179 = output;
+    let error = (_e178 - _e179);
+    let weight = samples[input_2].weight;
+    let at = (WORDS * winner_2);
     loop {
-        let _e193 = k_1;
-        if (_e193 < 13u) {
+        let _e189 = k_1;
+        if (_e189 < 13u) {
         } else {
             break;
         }
         {
-            let _e197 = k_1;
-            let _e203 = k_1;
-            let _e208 = k_1;
-            let _e212 = inputs[((4u * input_1) + (_e203 / 4u))][(_e208 % 4u)];
-            add_sum((at + (2u * _e197)), _e212, 32i);
+            let _e193 = k_1;
+            let _e199 = k_1;
+            let _e204 = k_1;
+            let _e208 = inputs[((4u * input_2) + (_e199 / 4u))][(_e204 % 4u)];
+            add_sum((at + (2u * _e193)), _e208, 32i);
         }
         continuing {
-            let _e215 = k_1;
-            k_1 = (_e215 + 1u);
+            let _e211 = k_1;
+            k_1 = (_e211 + 1u);
         }
     }
-    let _e222 = atomicAdd((&sums[(at + COUNT)]), 1u);
-    let _e230 = carry(_e222, 1u);
-    let _e231 = atomicAdd((&sums[((at + COUNT) + 1u)]), _e230);
+    let _e218 = atomicAdd((&sums[(at + COUNT)]), 1u);
+    let _e226 = carry(_e218, 1u);
+    let _e227 = atomicAdd((&sums[((at + COUNT) + 1u)]), _e226);
     add_sum((at + SHARE), weight, 32i);
     add_sum((at + ERROR), (weight * (error * error)), 32i);
     i = 0u;
     loop {
-        let _e241 = i;
-        if (_e241 < count) {
+        let _e237 = i;
+        if (_e237 < count) {
         } else {
             break;
         }
         {
-            let _e243 = i;
-            let _e244 = answering(winner_1, _e243);
-            let _e245 = least;
-            let _e246 = exponent(input_1, _e244);
-            let _e249 = all_;
-            let activation = (weight * (exp((_e245 - _e246)) / _e249));
-            add_sum(((WORDS * _e244) + GAIN), (activation * error), 32i);
-            add_sum(((WORDS * _e244) + ACTIVATION), activation, 32i);
+            let _e239 = i;
+            let _e240 = answering(winner_2, _e239);
+            let _e241 = i;
+            let _e242 = activation(input_2, winner_2, _e241);
+            let _e243 = all_;
+            let share = (weight * (_e242 / _e243));
+            add_sum(((WORDS * _e240) + GAIN), (share * error), 32i);
+            add_sum(((WORDS * _e240) + ACTIVATION), share, 32i);
         }
         continuing {
-            let _e264 = i;
-            i = (_e264 + 1u);
+            let _e258 = i;
+            i = (_e258 + 1u);
         }
     }
-    let _e268 = unfinished;
-    if !(_e268) {
-        let _e272 = i;
-        local_3 = (_e272 < count);
+    let _e262 = unfinished;
+    if !(_e262) {
+        let _e266 = i;
+        local_3 = (_e266 < count);
     } else {
         local_3 = true;
     }
-    let _e275 = local_3;
-    unfinished = _e275;
+    let _e269 = local_3;
+    unfinished = _e269;
     finish();
     return;
 }
