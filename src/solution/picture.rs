@@ -9,7 +9,7 @@ use crate::progress::{Event, Flow};
 use crate::scene::{Geometry, Scene};
 use crate::twin::lights;
 use crate::twin::trace::{barycentric, surface_point};
-use crate::twin::way::{Way, along, way_in};
+use crate::twin::way::{Way, follow, way_in};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -122,7 +122,7 @@ fn primary_hits(geometry: &Geometry, camera: &Camera) -> Vec<Option<Point>> {
             let direction = if geometry.is_lossy() { way.normalize() } else { way }.as_vec3();
             // There is no medium outside the scene's box.
             let start = if geometry.sigma > 0.0 { origin + direction * way_in(geometry, origin, direction) } else { origin };
-            let Way { kind, hit, share, .. } = along(geometry, NONE, glam::Vec3::ZERO, start, direction);
+            let Way { kind, hit, share, .. } = follow(geometry, NONE, start, direction);
             (kind == kind::FRONT).then(|| Point { density: share, ..surface_point(geometry, hit.tri, hit.b1, hit.b2) })
         })
         .collect()
@@ -178,7 +178,7 @@ impl Solution {
             DVec3::from_array(camera.direction(pixel % camera.width, pixel / camera.width)).normalize_or_zero().as_vec3();
         let origin = DVec3::from_array(geometry.to_local(camera.eye)).as_vec3();
         let start = if geometry.sigma > 0.0 { origin + direction * way_in(geometry, origin, direction) } else { origin };
-        let way = along(geometry, NONE, glam::Vec3::ZERO, start, direction);
+        let way = follow(geometry, NONE, start, direction);
         if way.kind != kind::SKY {
             return Ok([0.0; 3]);
         }

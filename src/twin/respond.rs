@@ -70,8 +70,8 @@ impl Net<'_> {
     /// The activations of all that answer, relative to the greatest (so that none underflows, hard case F04), and their sum.
     fn activations<'a>(&'a self, winner: u32, input: &'a Feature) -> (impl Iterator<Item = (u32, f32)> + 'a, f32) {
         // The first of the least exponents, as the device has it.
-        let first = |best: (u32, f32), c| if self.exponent(c, input) < best.1 { (c, self.exponent(c, input)) } else { best };
-        let (nearest, least) = self.active(winner).fold((winner, f32::MAX), first);
+        let exponents = self.active(winner).map(|c| (c, self.exponent(c, input)));
+        let (nearest, least) = exponents.fold((winner, f32::MAX), |best, e| if e.1 < best.1 { e } else { best });
         let activation = move |c| if c == nearest { 1.0 } else { (least - self.exponent(c, input)).min(0.0).exp() };
         let all = self.active(winner).map(move |c| (c, activation(c)));
         let sum = all.clone().fold(0.0, |sum, (_, a)| sum + a);

@@ -83,19 +83,14 @@ pub fn way_in(geometry: &Geometry, p: Vec3, direction: Vec3) -> f32 {
     if enter < leave { enter } else { 0.0 }
 }
 
-/// Follows a direction (unit) from a point on triangle `tri`.
+/// Follows a direction (unit) from a point on triangle `tri`, or from any point where that is [`NONE`].
 pub fn follow(geometry: &Geometry, tri: u32, p: Vec3, direction: Vec3) -> Way {
-    let from = &geometry.tris[tri as usize];
-    along(geometry, from.plane, Vec3::from(from.normal), p, direction)
-}
-
-/// Follows a direction (unit) from any point; `plane` and `normal` are of the surface that it lies on, or [`NONE`] and 0.
-pub fn along(geometry: &Geometry, plane: u32, normal: Vec3, p: Vec3, direction: Vec3) -> Way {
-    let (mut at, mut skip, mut left, mut length, mut gloss) = (p, plane, normal, 0.0, 1.0);
+    let (mut at, mut left, mut length, mut gloss) = (p, tri, 0.0, 1.0);
     let mut way = Way { kind: kind::SKY, hit: Hit::none(f32::MAX), direction, mirrors: 0, share: 1.0, mirrored: 0.0 };
     loop {
-        let ray = Ray { origin: at, direction: way.direction, t_max: f32::MAX, skip: [skip, NONE] };
-        let hit = closest_from(geometry, &ray, left);
+        let side = geometry.tris.get(left as usize).map_or((NONE, Vec3::ZERO), |t| (t.plane, Vec3::from(t.normal)));
+        let ray = Ray { origin: at, direction: way.direction, t_max: f32::MAX, skip: [side.0, NONE] };
+        let hit = closest_from(geometry, &ray, side.1);
         if geometry.sigma > 0.0 {
             let leg = if hit.tri == NONE { way_out(geometry, at, way.direction) } else { hit.t };
             way.share *= fade(geometry.sigma * leg);
@@ -123,7 +118,7 @@ pub fn along(geometry: &Geometry, plane: u32, normal: Vec3, p: Vec3, direction: 
             return way;
         }
         at = position(geometry.flatland, there, hit.b1, hit.b2);
-        (skip, left) = (there.plane, Vec3::from(there.normal));
+        left = hit.tri;
         way.direction -= Vec3::from(there.normal) * (2.0 * across);
     }
 }
@@ -165,7 +160,7 @@ mod tests {
         assert!((way.share - want).abs() < 1e-5 && (way.hit.t / geometry.scale as f32 - length).abs() < 1e-5, "{way:?}");
         assert!(way.mirrored > 0.0 && way.mirrored + way.share < 1.0);
         // Along x it never ends: given up, and all accounted for.
-        let lost = along(&geometry, NONE, Vec3::ZERO, Vec3::ZERO, Vec3::X);
+        let lost = follow(&geometry, NONE, Vec3::ZERO, Vec3::X);
         assert_eq!((lost.kind, lost.mirrors, lost.share), (kind::LOST, MIRRORS, 0.0));
         assert!(lost.mirrored < 1.0 && lost.mirrored > 0.1, "{lost:?}");
     }

@@ -150,7 +150,6 @@ fn weighted(seen: Seen, cosine: f32, nm: f32, nc: f32) -> vec3<f32> {
 // One round's estimate of the sky's irradiance at a surface point.
 fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, cosine: u32) -> vec3<f32> {
     let n = tri_normal(tri);
-    let plane = tri_plane(tri);
     let seed = seed_of(point_seed, SKY_STREAM);
     var sum = vec3<f32>();
     if ENVIRONMENT_MAP {
@@ -176,7 +175,7 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
             let direction = cosine_direction(n, unit(u.z), unit(u.w));
             if MIRRORS {
                 // No direction of the map goes over a mirror.
-                if along(plane, n, p, direction).kind == SKY {
+                if along(tri, p, direction).kind == SKY {
                     if way.mirrors > 0u {
                         sum += sky_look(way.direction).radiosity * (way.share / f32(nc));
                     } else {
@@ -201,7 +200,7 @@ fn from_sky(tri: u32, p: vec3<f32>, point_seed: u32, round: u32, emitter: u32, c
         let u = sobol4(k, seed);
         let direction = cosine_direction(n, unit(u.z), unit(u.w));
         if MIRRORS {
-            if along(plane, n, p, direction).kind == SKY {
+            if along(tri, p, direction).kind == SKY {
                 sum += radiosity * (way.share / f32(nc));
             }
         } else if !ray_blocked(tri, p, direction, F32_MAX) {

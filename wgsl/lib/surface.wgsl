@@ -78,7 +78,7 @@ struct Met {
 // What a ray from a point on triangle `tri` meets, along mirrors.
 fn first_hit(tri: u32, p: vec3<f32>, direction: vec3<f32>) -> Met {
     if LOSSY {
-        return along(tri_plane(tri), tri_normal(tri), p, direction);
+        return along(tri, p, direction);
     }
     let hit = walk(p, direction, F32_MAX, vec2<u32>(tri_plane(tri), NONE), false, tri_normal(tri));
     if hit.tri == NONE {

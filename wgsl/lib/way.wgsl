@@ -61,18 +61,17 @@ fn mirror_place(mirror: u32, u: f32, v: f32) -> vec3<f32> {
     return p + d * (INWARD / max(sqrt(dot3(d, d)), 2.0 * INWARD));
 }
 
-// Follows a direction from a point of a surface with this normal; `plane` is the planar piece that it lies on.
-fn along(plane: u32, normal: vec3<f32>, p: vec3<f32>, direction: vec3<f32>) -> Met {
+// Follows a direction from a point of a triangle.
+fn along(start: u32, p: vec3<f32>, direction: vec3<f32>) -> Met {
     var at = p;
-    var left = normal;
-    var skip = plane;
+    var left = start;
     var length = 0.0;
     var gloss = 1.0;
     var met = Met(SKY, Hit(F32_MAX, NONE, 0.0, 0.0));
     way = Way(direction, 0u, 1.0, 0.0);
     var going = true;
     for (var trip = 0u; going && trip < MOST_MIRRORS; trip++) {
-        let hit = walk(at, way.direction, F32_MAX, vec2<u32>(skip, NONE), false, left);
+        let hit = walk(at, way.direction, F32_MAX, vec2<u32>(tri_plane(left), NONE), false, tri_normal(left));
         if SIGMA > 0.0 {
             var leg = hit.t;
             if hit.tri == NONE {
@@ -104,8 +103,7 @@ fn along(plane: u32, normal: vec3<f32>, p: vec3<f32>, direction: vec3<f32>) -> M
                 } else {
                     going = true;
                     at = mirror_place(hit.tri, hit.b1, hit.b2);
-                    skip = tri_plane(hit.tri);
-                    left = tri_normal(hit.tri);
+                    left = hit.tri;
                     way.direction -= tri_normal(hit.tri) * (2.0 * across);
                 }
             }
