@@ -21,7 +21,7 @@ struct Params {
 @group(0) @binding(3) var<storage, read> hits: array<Point>;
 @group(0) @binding(4) var<storage, read> light: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> direct: array<DirectSum>;
-// Two a point: irradiance and nearness; shares of front and of back hits.
+// Two a point: irradiance and nearness; shares of front and of back hits, and the mean square of what a ray brings.
 @group(0) @binding(6) var<storage, read_write> gathered: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> status: array<atomic<u32>>;
 @group(0) @binding(8) var texels: texture_2d_array<u32>;
@@ -33,6 +33,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     }
     let i = params.base + gid.x;
     var sum = vec3<f32>();
+    var square = 0.0;
     var nearness = 0.0;
     var front = 0.0;
     var back = 0.0;
@@ -41,6 +42,7 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         nearness = gathered[2u * i].w;
         front = gathered[2u * i + 1u].x;
         back = gathered[2u * i + 1u].y;
+        square = gathered[2u * i + 1u].z;
     }
     var k = params.first;
     for (; k < params.end; k++) {
@@ -57,18 +59,18 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
             if params.exact == 1u {
                 d = direct[at].sum / f32(max(direct[at].rounds, 1u));
             }
+            var brought = d + light[at].xyz;
             if TEXTURES {
-                let b = shares(hits[at].tri, hits[at].p);
-                var sent = mapped(rho, hits[at].tri, RHO, b) * (d + light[at].xyz);
-                if LOSSY {
-                    sent *= hits[at].density;
-                }
-                sum += sent;
-            } else if LOSSY {
-                sum += (rho * (d + light[at].xyz)) * hits[at].density;
+                brought = mapped(rho, hits[at].tri, RHO, shares(hits[at].tri, hits[at].p)) * brought;
             } else {
-                sum += rho * (d + light[at].xyz);
+                brought = rho * brought;
             }
+            if LOSSY {
+                brought *= hits[at].density;
+            }
+            sum += brought;
+            let grey = (brought.x + brought.y + brought.z) / 3.0;
+            square += grey * grey;
         }
     }
     unfinished = unfinished || k < params.end;
@@ -77,6 +79,6 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
         inv = 1.0 / f32(params.rays);
     }
     gathered[2u * i] = vec4<f32>(sum * inv, nearness * inv);
-    gathered[2u * i + 1u] = vec4<f32>(front * inv, back * inv, 0.0, 0.0);
+    gathered[2u * i + 1u] = vec4<f32>(front * inv, back * inv, square * inv, 0.0);
     finish();
 }

@@ -24,6 +24,8 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     let i = params.base + gid.x;
     let s = psi[i];
     var sum = vec3<f32>();
+    var mean = 0.0;
+    var square = 0.0;
     if s.weight.x == 0.0 {
         // An orphan gets the value of the node it names.
         if s.node.x != NONE {
@@ -37,9 +39,14 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
                 let d = points[i].p - nodes[j].p;
                 let a = dot3(d, t.t1) - nodes[j].mean.x;
                 let b = dot3(d, t.t2) - nodes[j].mean.y;
-                sum += (light[j].h + light[j].g0 * a + light[j].g1 * b) * s.weight[k];
+                let says = light[j].h + light[j].g0 * a + light[j].g1 * b;
+                sum += says * s.weight[k];
+                let grey = (says.x + says.y + says.z) / 3.0;
+                mean += grey * s.weight[k];
+                square += grey * grey * s.weight[k];
             }
         }
     }
-    irradiance[i] = vec4<f32>(max(sum, vec3<f32>()), 0.0);
+    // By how much the nodes disagree comes last.
+    irradiance[i] = vec4<f32>(max(sum, vec3<f32>()), sqrt(max(square - mean * mean, 0.0)));
 }

@@ -48,7 +48,7 @@ const TALL: f64 = 0.15;
 /// Variance of an even mean of rounds of direct light over that of a random one.
 const EVEN: f64 = 0.3;
 /// By how much the truth's own points may differ from the tests', and the estimate's assumptions from a scene: below, above.
-const MARGIN: [f64; 2] = [1.7, 1.37];
+const MARGIN: [f64; 2] = [1.85, 1.26];
 /// The same above where light lies on patches: what one blurs is off all over it, and goes on into further bounces as such.
 const PATCHED: f64 = 1.45;
 /// Regions that are told apart, as a power of two.
@@ -218,7 +218,7 @@ fn test<E: Engine>(
     whole: Whole,
     places: &[Point],
     half: u32,
-    light: Landed,
+    landed: Landed,
     chunk: u32,
     progress: &mut Progress,
 ) -> Result<Vec<Test>> {
@@ -241,11 +241,8 @@ fn test<E: Engine>(
     // What one bounce of it says, twice.
     let mut halves = Vec::new();
     for n in 0..2 {
-        let of = |which| seed_of(seed(which), n);
-        let mut hits = engine.shoot(&batch, of(Stream::TestRays), 0, half)?;
-        shade::light_hits(engine, params, spacing, &mut hits, of(Stream::TestHits), shade::BOUNCES, progress)?;
-        halves.push(engine.gather(&hits, half, true, exact)?);
-        progress.tick()?;
+        let seeds = [Stream::TestRays, Stream::TestHits].map(|which| seed_of(seed(which), n));
+        halves.push(shade::look(engine, params, spacing, &batch, seeds, half, progress)?);
     }
 
     let judged = geometry.judged();
@@ -257,11 +254,17 @@ fn test<E: Engine>(
         if !judged(of) || !geometry.is_there(&places[i]) || (one.is_dead() && two.is_dead() && d == [0.0; 3]) {
             return None;
         }
-        let network = [0, 1, 2].map(|k| f64::from(network[i][k]));
-        let nearness = 0.5 * (one.nearness + two.nearness);
-        let gathered = shade::gathers(params) && shade::wants_gather(params, spacing, nearness, &psi[i]);
+        let says = &network[i];
+        let network = [0, 1, 2].map(|k| f64::from(says[k]));
         let brought = [0, 1, 2].map(|k| 0.5 * (f64::from(one.irradiance[k]) + f64::from(two.irradiance[k])));
-        let [straight, once] = light.per_light;
+        let known = if exact { tiles::mean(&d) } else { 0.0 };
+        let (nearness, light) = (0.5 * (one.nearness + two.nearness), known + tiles::mean(&network));
+        let gathered = shade::gathers(params) && shade::wants_gather(params, spacing, nearness, &psi[i], says, light);
+        // What single rays bring tells more of a gather's scatter than two halves do.
+        let single = 0.5 * f64::from(one.square + two.square) - tiles::mean(&brought).powi(2);
+        let variance = single.max(0.0) / f64::from(2 * half);
+        let gather = shade::gather_variance(params, usual, tiles::mean(&d) + tiles::mean(&brought), variance, 2 * half);
+        let [straight, once] = landed.per_light;
         let density = f64::from(places[i].density) + straight * tiles::mean(&d) + once * tiles::mean(&brought);
         let mut t = Test { p: geometry.to_world(places[i].p), weight: 1.0 / density, gathered, ..Test::default() };
         for k in 0..3 {
@@ -274,7 +277,7 @@ fn test<E: Engine>(
             let scatter = (a - b).powi(2) / 4.0;
             let residual = (own - a) * (own - b);
             let square = match gathered {
-                true => scatter * f64::from(2 * half) / f64::from(params.gather_rays) + GATHERED * residual,
+                true => rho * rho * gather + GATHERED * residual,
                 false => residual,
             };
             let reflected = own + if exact { rho * d[k] } else { 0.0 };

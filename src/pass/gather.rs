@@ -71,6 +71,9 @@ pub fn gather(
 pub fn decode(gathered: &[[f32; 4]]) -> Vec<Gathered> {
     gathered
         .chunks_exact(2)
-        .map(|v| Gathered { irradiance: [v[0][0], v[0][1], v[0][2]], nearness: v[0][3], front: v[1][0], back: v[1][1] })
+        .map(|v| {
+            let [[r, g, b, nearness], [front, back, square, _]] = [v[0], v[1]];
+            Gathered { irradiance: [r, g, b], square, nearness, front, back }
+        })
         .collect()
 }

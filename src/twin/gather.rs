@@ -10,6 +10,8 @@ use rayon::prelude::*;
 pub struct Gathered {
     /// Mean over the rays of rho (D + H) at front hits, scaled W/m²: the irradiance that is not direct.
     pub irradiance: [f32; 3],
+    /// Mean over the rays of the square of what one brings, itself a mean over the bands.
+    pub square: f32,
     /// Mean of 1/distance over the rays, the sky counting 0: the inverse harmonic mean distance.
     pub nearness: f32,
     /// Share of the rays that met front faces.
@@ -45,11 +47,15 @@ pub fn gather(geometry: &Geometry, hits: &[Point], light: &[[f32; 4]], direct: O
                     let rho = Vec3::from(geometry.material_at(hit).rho);
                     let d = direct.map_or(Vec3::ZERO, |d| Vec3::from(d[at].mean()));
                     let sent = rho * (d + Vec3::from_slice(&light[at][..3]));
-                    sum += if geometry.is_lossy() { sent * hit.density } else { sent };
+                    let brought = if geometry.is_lossy() { sent * hit.density } else { sent };
+                    sum += brought;
+                    let grey = (brought.x + brought.y + brought.z) / 3.0;
+                    g.square += grey * grey;
                 }
             }
             let inv = 1.0 / rays as f32;
             g.irradiance = (sum * inv).to_array();
+            g.square *= inv;
             g.nearness *= inv;
             g.front *= inv;
             g.back *= inv;

@@ -1,0 +1,186 @@
+//! Final gathers: which points get one, how many rays it takes, and the light where they end.
+
+use super::Whole;
+use super::direct::BRIGHT;
+use crate::engine::Engine;
+use crate::error::Result;
+use crate::layout::{DirectSum, Point, Psi, kind};
+use crate::params::{Direct, Params};
+use crate::progress::Progress;
+use crate::stream::{Stream, stream};
+use crate::twin::direct::Samples;
+use crate::twin::gather::Gathered;
+use crate::twin::math::seed_of;
+
+/// Most gather rays in flight.
+const HITS: usize = 262_144;
+/// Samples of direct light at a gather ray's hit.
+const HIT: Samples = Samples { emitter: 2, cosine: 1 };
+/// Hits nearer than this many node spacings ask for light by a ray of their own.
+const CLOSE: f64 = 0.5;
+/// Bounces in a slot before the nodes' light is taken all the same.
+const BOUNCES: u32 = 8;
+/// Share of its light by which the nodes that speak for a point may disagree.
+const TORN: f64 = 0.1;
+/// How many times as many rays a gather may have whose rays bring very different light.
+const MORE: u32 = 4;
+
+/// Whether points are gathered for at all: what a gather brings has been reflected once more.
+pub(crate) fn gathers(params: &Params) -> bool {
+    params.gather_rays > 0 && params.bounces.is_none()
+}
+
+/// Whether a point gets a final gather, by how near its surroundings are, the nodes that speak for it, what they say and all
+/// light there: nodes are too far apart for it, they disagree, or none speaks for it.
+pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &Psi, says: &[f32; 4], light: f64) -> bool {
+    let torn = f64::from(says[3]) > TORN * light;
+    nearness as f64 * params.gather_threshold * spacing > 1.0 || psi.is_orphan() || torn
+}
+
+/// The standard error that is asked of a gather at a point with so much light: that of rays which scatter by all of it. Where it
+/// is dark, of rays which scatter by the usual light; where it is bright, [`BRIGHT`] is the most that counts.
+fn goal(params: &Params, usual: f64, light: f64) -> f64 {
+    light.clamp(usual, BRIGHT * usual) / f64::from(params.gather_rays).sqrt()
+}
+
+/// The variance that a gather will be left with at a point with so much light, from that of `rays` of its rays.
+pub(crate) fn gather_variance(params: &Params, usual: f64, light: f64, variance: f64, rays: u32) -> f64 {
+    let goal = goal(params, usual, light);
+    let (mut left, mut times) = (variance * f64::from(rays) / f64::from(params.gather_rays), 1);
+    while left > goal * goal && times < MORE {
+        // As below: what has been shot is doubled.
+        times *= 2;
+        left *= 0.5;
+    }
+    left
+}
+
+/// Sums over the rays of a gather.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    rays: f64,
+    brought: [f64; 3],
+    square: f64,
+}
+
+impl Sum {
+    fn add(&mut self, gathered: &Gathered, rays: u32) {
+        let rays = f64::from(rays);
+        self.rays += rays;
+        self.square += rays * f64::from(gathered.square);
+        (0..3).for_each(|k| self.brought[k] += rays * f64::from(gathered.irradiance[k]));
+    }
+
+    fn mean(&self) -> [f64; 3] {
+        self.brought.map(|x| x / self.rays)
+    }
+
+    /// Standard error of the mean over the bands.
+    fn error(&self) -> f64 {
+        let grey = self.mean().iter().sum::<f64>() / 3.0;
+        ((self.square / self.rays - grey * grey).max(0.0) / self.rays).sqrt()
+    }
+}
+
+/// Final gathers at points whose direct light is known, with as many rays as their scatter asks for: the irradiance that is not
+/// direct, and the rays shot.
+pub(super) fn gather<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    whole: Whole,
+    points: &[Point],
+    direct: &[[f64; 3]],
+    seed: u32,
+    progress: &mut Progress,
+) -> Result<(Vec<[f64; 3]>, u64)> {
+    let mut sums = vec![Sum::default(); points.len()];
+    let mut active: Vec<usize> = (0..points.len()).collect();
+    let (mut rays, mut done, mut shot, mut turn) = (params.gather_rays, 0, 0, 0);
+    while !active.is_empty() {
+        for chunk in active.chunks((HITS / rays as usize).max(1)) {
+            let from = engine.upload(&chunk.iter().map(|&i| points[i]).collect::<Vec<_>>())?;
+            let seeds = [Stream::PointGather, Stream::HitDirect].map(|which| seed_of(stream(seed, which), turn));
+            let gathered = look(engine, params, whole.spacing, &from, seeds, rays, progress)?;
+            chunk.iter().zip(&gathered).for_each(|(&i, g)| sums[i].add(g, rays));
+            turn += 1;
+        }
+        shot += active.len() as u64 * u64::from(rays);
+        done += rays;
+        active.retain(|&i| {
+            let light = (0..3).map(|k| direct[i][k] + sums[i].mean()[k]).sum::<f64>() / 3.0;
+            done < MORE * params.gather_rays && sums[i].error() > goal(params, whole.usual, light)
+        });
+        // Double what has been shot.
+        rays = done;
+    }
+    Ok((sums.iter().map(Sum::mean).collect(), shot))
+}
+
+/// What `rays` cosine rays of each point of a batch bring; `seeds` are the rays' own, and their ends'.
+pub(crate) fn look<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    spacing: f64,
+    from: &E::Batch,
+    seeds: [u32; 2],
+    rays: u32,
+    progress: &mut Progress,
+) -> Result<Vec<Gathered>> {
+    let mut hits = engine.shoot(from, seeds[0], 0, rays)?;
+    light_hits(engine, params, spacing, &mut hits, seeds[1], BOUNCES, progress)?;
+    let gathered = engine.gather(&hits, rays, true, params.direct == Direct::Exact)?;
+    progress.tick()?;
+    Ok(gathered)
+}
+
+/// Finds the light at the hits of gather rays: the nodes', and direct light where that is exact.
+///
+/// A hit much nearer than nodes lie apart is in a slot, or beside a contact, of which no node speaks: its light is what
+/// one ray of its own brings, and so on for `bounces` until the light is met outside.
+fn light_hits<E: Engine>(
+    engine: &mut E,
+    params: &Params,
+    spacing: f64,
+    hits: &mut E::Batch,
+    seed: u32,
+    bounces: u32,
+    progress: &mut Progress,
+) -> Result<()> {
+    let exact = params.direct == Direct::Exact;
+    engine.assign(hits)?;
+    engine.readout(hits)?;
+    engine.finish()?;
+    progress.tick()?;
+    if exact {
+        engine.direct(hits, None, seed, 0, 1, HIT)?;
+    }
+    if bounces == 0 {
+        return Ok(());
+    }
+    let points = engine.points(hits)?;
+    let near = |p: &Point| p.kind == kind::FRONT && f64::from(p.weight) < CLOSE * spacing;
+    let close: Vec<usize> = (0..points.len()).filter(|&i| near(&points[i])).collect();
+    if close.is_empty() {
+        return Ok(());
+    }
+    let own: Vec<Point> = close.iter().map(|&i| points[i]).collect();
+    let mut from = engine.upload(&own)?;
+    let mut next = engine.shoot(&from, stream(seed, Stream::PointGather), 0, 1)?;
+    light_hits(engine, params, spacing, &mut next, stream(seed, Stream::HitDirect), bounces - 1, progress)?;
+    let brought = engine.gather(&next, 1, true, exact)?;
+    let known = match exact {
+        true => vec![[0.0; 3]; own.len()],
+        false => {
+            // The nodes' light would have held it.
+            engine.direct(&mut from, None, stream(seed, Stream::PointDirect), 0, 1, HIT)?;
+            engine.direct_sums(&from)?.iter().map(DirectSum::mean).collect()
+        }
+    };
+    let mut light = engine.irradiance(hits)?;
+    for (k, &i) in close.iter().enumerate() {
+        for b in 0..3 {
+            light[i][b] = known[k][b] + brought[k].irradiance[b];
+        }
+    }
+    engine.set_irradiance(hits, &light)
+}
