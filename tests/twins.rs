@@ -295,6 +295,7 @@ fn shoot_and_gather_equal_their_twins() {
             let got = pass::gather::decode(&gpu.read(&got).unwrap());
             let same = |a: &Gathered, b: &Gathered| {
                 same3(&a.irradiance, &b.irradiance)
+                    && close(a.square, b.square, 1e-6, 1e-4)
                     && close(a.nearness, b.nearness, 1e-6, 1e-4)
                     && close(a.front, b.front, 1e-6, 0.0)
                     && close(a.back, b.back, 1e-6, 0.0)
@@ -837,7 +838,10 @@ fn readout_equals_its_twin() {
         let want = twin::readout::readout(&base.surface, &light, &points, &psi);
         let (points, psi) = (gpu.upload("points", &points).unwrap(), gpu.upload("psi", &psi).unwrap());
         let got = gpu.read(&pass::readout::readout(&gpu, &surface, &device_light, &points, &psi).unwrap()).unwrap();
-        assert_eq!(share(&want, &got, |a, b| same3(a, b)), 0.0, "{n}");
+        // By how much nodes disagree is what is left of squares of up to a thousand: where little is, it is rounded.
+        let same = |a: &[f32; 4], b: &[f32; 4]| same3(a, b) && close(a[3], b[3], 1e-3 * (1.0 + a[1].abs()), 1e-4);
+        assert_eq!(share(&want, &got, same), 0.0, "{n}");
+        assert!(n < 2 || want.iter().any(|a| a[3] > 0.1), "{n}: all nodes agree");
     }
 }
 

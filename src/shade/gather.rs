@@ -184,3 +184,69 @@ fn light_hits<E: Engine>(
     }
     engine.set_irradiance(hits, &light)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::nodes::surface_of;
+    use crate::progress::Flow;
+    use crate::scene::{Geometry, Material, Scene, shapes};
+    use crate::twin::TwinEngine;
+    use crate::twin::trace::surface_point;
+
+    const RAYS: u32 = 64;
+
+    #[test]
+    fn a_point_is_gathered_for_where_its_nodes_disagree() {
+        let params = Params::default();
+        let psi = Psi { node: [0, 1, u32::MAX, u32::MAX], weight: [0.5, 0.5, 0.0, 0.0] };
+        let wants = |torn, light| wants_gather(&params, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, torn], light);
+        assert!(wants(0.3, 2.0) && !wants(0.1, 2.0));
+        // Direct light makes what they disagree about smaller.
+        assert!(!wants(0.3, 4.0));
+    }
+
+    #[test]
+    fn rays_that_bring_very_different_light_are_shot_on() {
+        // A lamp of 4 cm, 2 cm above the floor of a room of a metre: nearly all that the wall gets comes from a patch under it.
+        let mut triangles = shapes::room([0.0; 3], [1.0; 3], [0; 6]);
+        let lamp = [[0.1, 0.48], [0.14, 0.48], [0.14, 0.52], [0.1, 0.52]];
+        triangles.extend(shapes::quad(lamp.map(|[x, z]| [x, 0.02, z]), 1));
+        let materials = vec![Material::new("wall", [0.5; 3], [0.0; 3]), Material::new("lamp", [0.0; 3], [9.0; 3])];
+        let geometry = Geometry::new(&Scene::from_triangles("lamp", &triangles, materials).unwrap()).unwrap();
+        let engine = &mut TwinEngine::new(&geometry);
+        // No node speaks for anything: all that rays bring is direct light, once reflected.
+        engine.set_surface(&surface_of(&geometry, Vec::new(), 0.3, false)).unwrap();
+        engine.set_light(&[]).unwrap();
+        let params = Params { gather_rays: RAYS, ..Params::default() };
+        let quiet = &mut |_: &_| Flow::Continue;
+        let progress = &mut Progress::new(quiet);
+        let at = geometry.locate([0.0, 0.3, 0.5], [1.0, 0.0, 0.0]).unwrap();
+        let point = Point { p: at.p, ..surface_point(&geometry, at.tri, 0.3, 0.3) };
+        let usual = geometry.power_density();
+
+        let scatter = |of: &[f64]| {
+            let mean = of.iter().sum::<f64>() / of.len() as f64;
+            (mean, of.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (of.len() - 1) as f64)
+        };
+        let (mut plain, mut more, mut rays) = (Vec::new(), Vec::new(), 0);
+        for seed in 0..48 {
+            let from = engine.upload(&[point]).unwrap();
+            plain
+                .push(f64::from(look(engine, &params, 0.0, &from, [seed, seed + 100], RAYS, progress).unwrap()[0].irradiance[0]));
+            let whole = Whole { spacing: 0.0, usual };
+            let (brought, shot) = gather(engine, &params, whole, &[point], &[[0.0; 3]], seed, progress).unwrap();
+            more.push(brought[0][0]);
+            rays += shot;
+        }
+        let ((mean, variance), (same, less)) = (scatter(&plain), scatter(&more));
+        assert!(rays > 2 * 48 * u64::from(RAYS), "{rays} rays");
+        assert!(less < 0.6 * variance, "variance {variance} -> {less}");
+        assert!((mean - same).abs() < 3.0 * ((variance + less) / 48.0).sqrt(), "{mean}, {same}");
+
+        // Where nothing is brought nothing differs.
+        let dark = Params { direct: Direct::Network, ..params };
+        let whole = Whole { spacing: 0.0, usual };
+        assert_eq!(gather(engine, &dark, whole, &[point], &[[0.0; 3]], 1, progress).unwrap(), (vec![[0.0; 3]], u64::from(RAYS)));
+    }
+}
