@@ -150,9 +150,9 @@ pub struct Params {
     pub direct_tolerance: f64,
     /// Most direct samples at a shown point, 16 to 65,536; default 8,192.
     pub direct_samples: u32,
-    /// Rays of a final gather, 0 (never gather) to 65,536; default 1,024.
+    /// Rays of a final gather, 0 (never gather) to 65,536; default 1,024. Where they bring very different light, up to four times as many.
     pub gather_rays: u32,
-    /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 2.
+    /// Gather where the harmonic mean hit distance is under this many node spacings, >= 0; default 2; and where nodes disagree.
     /// Contacts and slots need 0.6; more buys accuracy everywhere for time at each shown point; [`EVERYWHERE`] is all of them.
     pub gather_threshold: f64,
     /// Times the rays themselves carry the solution once more, 0 to 16; default 2. Takes the cells' error out

@@ -223,16 +223,20 @@ fn the_room_with_a_screen_is_as_traced_and_not_without_its_maps() {
     let Some(backend) = gpu().map(Backend::Gpu) else { return };
     let truth = crate::common::truth("screen");
     let whole = Scene::load(crate::common::root("scenes/screen/scene.obj")).unwrap();
-    let error = |switches: &str| {
+    let error = |switches: &str, seed| {
         let mut scene = whole.clone();
         switches.parse::<Switches>().unwrap().apply(&mut scene).unwrap();
-        let solution = solve(&backend, &scene, &Params { rays: 65_536, ..Params::default() });
+        let solution = solve(&backend, &scene, &Params { rays: 65_536, seed, ..Params::default() });
         let b: Vec<[f64; 3]> = solution.query(&backend, &truth.points).unwrap().iter().map(|a| a.b).collect();
         (rrmse(&b, &truth.b), solution.report().estimated_error.clone().unwrap().high)
     };
-    let (off, stated) = error("auto");
-    let (plain, shut) = (error("-textures").0, error("-transparency").0);
+    // What is stated is meant to hold in nine bakes of ten, so one of three may be beyond it.
+    let mut bakes = [1, 2, 3].map(|seed| error("auto", seed));
+    assert!(bakes.iter().filter(|(off, stated)| off < stated).count() >= 2, "{bakes:?}");
+    bakes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (off, stated) = (bakes[2].0, bakes.iter().fold(0.0f64, |most, b| most.max(b.1)));
+    let (plain, shut) = (error("-textures", 1).0, error("-transparency", 1).0);
     eprintln!("screen: {off:.4}, stated {stated:.4} at most; without textures {plain:.3}, without cut-outs {shut:.3}");
-    assert!(off < stated && off < 0.04, "{off}, stated {stated}");
+    assert!(off < 0.04, "{bakes:?}");
     assert!(plain > 4.0 * off && shut > 4.0 * off && plain > stated && shut > stated, "{off}: {plain}, {shut}; {stated}");
 }

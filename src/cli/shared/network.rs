@@ -82,7 +82,7 @@ pub enum Cells {
 pub enum Gather {
     /// Nowhere: the nodes' own light.
     None,
-    /// Where surroundings are nearer than nodes lie apart.
+    /// Where surroundings are nearer than nodes lie apart, or nodes disagree.
     Adaptive,
     /// At every point.
     Everywhere,
