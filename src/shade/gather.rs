@@ -24,6 +24,9 @@ const BOUNCES: u32 = 8;
 const TORN: f64 = 0.1;
 /// How many times as many rays a gather may have whose rays bring very different light.
 const MORE: u32 = 4;
+/// Rays of a bake below which nodes are so few that most disagree, and gathers so short that all scatter: better gathers would take
+/// longer than a larger bake.
+const FEW: u32 = 16_384;
 
 /// Whether points are gathered for at all: what a gather brings has been reflected once more.
 pub(crate) fn gathers(params: &Params) -> bool {
@@ -33,7 +36,7 @@ pub(crate) fn gathers(params: &Params) -> bool {
 /// Whether a point gets a final gather, by how near its surroundings are, the nodes that speak for it, what they say and all
 /// light there: nodes are too far apart for it, they disagree, or none speaks for it.
 pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &Psi, says: &[f32; 4], light: f64) -> bool {
-    let torn = f64::from(says[3]) > TORN * light;
+    let torn = params.rays >= FEW && f64::from(says[3]) > TORN * light;
     nearness as f64 * params.gather_threshold * spacing > 1.0 || psi.is_orphan() || torn
 }
 
@@ -43,13 +46,18 @@ fn goal(params: &Params, usual: f64, light: f64) -> f64 {
     light.clamp(usual, BRIGHT * usual) / f64::from(params.gather_rays).sqrt()
 }
 
+/// The most rays of a gather.
+fn most(params: &Params) -> u32 {
+    if params.rays < FEW { params.gather_rays } else { MORE * params.gather_rays }
+}
+
 /// The variance that a gather will be left with at a point with so much light, from that of `rays` of its rays.
 pub(crate) fn gather_variance(params: &Params, usual: f64, light: f64, variance: f64, rays: u32) -> f64 {
     let goal = goal(params, usual, light);
-    let (mut left, mut times) = (variance * f64::from(rays) / f64::from(params.gather_rays), 1);
-    while left > goal * goal && times < MORE {
+    let (mut left, mut done) = (variance * f64::from(rays) / f64::from(params.gather_rays), params.gather_rays);
+    while left > goal * goal && done < most(params) {
         // As below: what has been shot is doubled.
-        times *= 2;
+        done *= 2;
         left *= 0.5;
     }
     left
@@ -108,7 +116,7 @@ pub(super) fn gather<E: Engine>(
         done += rays;
         active.retain(|&i| {
             let light = (0..3).map(|k| direct[i][k] + sums[i].mean()[k]).sum::<f64>() / 3.0;
-            done < MORE * params.gather_rays && sums[i].error() > goal(params, whole.usual, light)
+            done < most(params) && sums[i].error() > goal(params, whole.usual, light)
         });
         // Double what has been shot.
         rays = done;
@@ -202,8 +210,10 @@ mod tests {
         let psi = Psi { node: [0, 1, u32::MAX, u32::MAX], weight: [0.5, 0.5, 0.0, 0.0] };
         let wants = |torn, light| wants_gather(&params, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, torn], light);
         assert!(wants(0.3, 2.0) && !wants(0.1, 2.0));
-        // Direct light makes what they disagree about smaller.
+        // Direct light makes what they disagree about smaller, and of few rays most nodes disagree.
         assert!(!wants(0.3, 4.0));
+        let few = Params { rays: FEW - 1, ..params.clone() };
+        assert!(!wants_gather(&few, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, 0.3], 2.0));
     }
 
     #[test]

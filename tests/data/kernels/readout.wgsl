@@ -77,6 +77,8 @@ fn tangents(n: vec3<f32>) -> Tangents {
 @compute @workgroup_size(64, 1, 1) 
 fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     var sum: vec3<f32> = vec3<f32>();
+    var mean: f32 = 0f;
+    var square: f32 = 0f;
     var k: u32 = 0u;
     let _e4 = params.count;
     if (gid.x >= _e4) {
@@ -87,47 +89,58 @@ fn main(@builtin(global_invocation_id) gid: vec3<u32>) {
     let s_1 = psi[i];
     if (s_1.weight.x == 0f) {
         if (s_1.node.x != NONE) {
-            let _e29 = light[s_1.node.x].h;
-            sum = _e29;
+            let _e33 = light[s_1.node.x].h;
+            sum = _e33;
         }
     } else {
         loop {
-            let _e32 = k;
-            if (_e32 < 4u) {
+            let _e36 = k;
+            if (_e36 < 4u) {
             } else {
                 break;
             }
             {
-                let _e36 = k;
-                if (s_1.weight[_e36] > 0f) {
-                    let _e41 = k;
-                    let j = s_1.node[_e41];
-                    let _e46 = nodes[j].n;
-                    let _e47 = tangents(_e46);
-                    let _e51 = points[i].p;
-                    let _e55 = nodes[j].p;
-                    let d = (_e51 - _e55);
-                    let _e58 = dot3_(d, _e47.t1_);
-                    let _e63 = nodes[j].mean.x;
-                    let a_2 = (_e58 - _e63);
-                    let _e66 = dot3_(d, _e47.t2_);
-                    let _e71 = nodes[j].mean.y;
-                    let b_2 = (_e66 - _e71);
-                    let _e73 = sum;
-                    let _e77 = light[j].h;
-                    let _e81 = light[j].g0_;
-                    let _e87 = light[j].g1_;
-                    let _e91 = k;
-                    sum = (_e73 + (((_e77 + (_e81 * a_2)) + (_e87 * b_2)) * s_1.weight[_e91]));
+                let _e40 = k;
+                if (s_1.weight[_e40] > 0f) {
+                    let _e45 = k;
+                    let j = s_1.node[_e45];
+                    let _e50 = nodes[j].n;
+                    let _e51 = tangents(_e50);
+                    let _e55 = points[i].p;
+                    let _e59 = nodes[j].p;
+                    let d = (_e55 - _e59);
+                    let _e62 = dot3_(d, _e51.t1_);
+                    let _e67 = nodes[j].mean.x;
+                    let a_2 = (_e62 - _e67);
+                    let _e70 = dot3_(d, _e51.t2_);
+                    let _e75 = nodes[j].mean.y;
+                    let b_2 = (_e70 - _e75);
+                    let _e80 = light[j].h;
+                    let _e84 = light[j].g0_;
+                    let _e90 = light[j].g1_;
+                    let says = ((_e80 + (_e84 * a_2)) + (_e90 * b_2));
+                    let _e93 = sum;
+                    let _e95 = k;
+                    sum = (_e93 + (says * s_1.weight[_e95]));
+                    let grey = (((says.x + says.y) + says.z) / 3f);
+                    let _e106 = mean;
+                    let _e108 = k;
+                    mean = (_e106 + (grey * s_1.weight[_e108]));
+                    let _e112 = square;
+                    let _e115 = k;
+                    square = (_e112 + ((grey * grey) * s_1.weight[_e115]));
                 }
             }
             continuing {
-                let _e96 = k;
-                k = (_e96 + 1u);
+                let _e120 = k;
+                k = (_e120 + 1u);
             }
         }
     }
-    let _e100 = sum;
-    irradiance[i] = vec4<f32>(max(_e100, vec3<f32>()), 0f);
+    let _e124 = sum;
+    let _e127 = square;
+    let _e128 = mean;
+    let _e129 = mean;
+    irradiance[i] = vec4<f32>(max(_e124, vec3<f32>()), sqrt(max((_e127 - (_e128 * _e129)), 0f)));
     return;
 }
