@@ -15,7 +15,7 @@ use crate::params::{Direct, Method, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::solver::Solved;
 use crate::scene::Geometry;
-use crate::shade::{self, Whole};
+use crate::shade::{self, Brought, Whole};
 use crate::solution::Solution;
 use crate::stream::{Stream, stream};
 use crate::twin::math::seed_of;
@@ -242,7 +242,8 @@ fn test<E: Engine>(
     let mut halves = Vec::new();
     for n in 0..2 {
         let seeds = [Stream::TestRays, Stream::TestHits].map(|which| seed_of(seed(which), n));
-        halves.push(shade::look(engine, params, spacing, &batch, seeds, half, progress)?);
+        halves.push(shade::look(engine, params, spacing, &batch, seeds, half, shade::BOUNCES, progress)?);
+        progress.tick()?;
     }
 
     let judged = geometry.judged();
@@ -256,14 +257,12 @@ fn test<E: Engine>(
         }
         let says = &network[i];
         let network = [0, 1, 2].map(|k| f64::from(says[k]));
-        let brought = [0, 1, 2].map(|k| 0.5 * (f64::from(one.irradiance[k]) + f64::from(two.irradiance[k])));
-        let known = if exact { tiles::mean(&d) } else { 0.0 };
-        let (nearness, light) = (0.5 * (one.nearness + two.nearness), known + tiles::mean(&network));
-        let gathered = shade::gathers(params) && shade::wants_gather(params, spacing, nearness, &psi[i], says, light);
+        let (nearness, apart) = (0.5 * (one.nearness + two.nearness), if exact { d } else { [0.0; 3] });
+        let gathered = shade::gathers(params) && shade::wants_gather(params, spacing, nearness, &psi[i], says, &apart);
         // What single rays bring tells more of a gather's scatter than two halves do.
-        let single = 0.5 * f64::from(one.square + two.square) - tiles::mean(&brought).powi(2);
-        let variance = single.max(0.0) / f64::from(2 * half);
-        let gather = shade::gather_variance(params, usual, tiles::mean(&d) + tiles::mean(&brought), variance, 2 * half);
+        let mut both = Brought::default();
+        [one, two].into_iter().for_each(|g| both.add(g, half));
+        let (brought, gather) = (both.mean(), shade::gather_variance(params, usual, &d, &both));
         let [straight, once] = landed.per_light;
         let density = f64::from(places[i].density) + straight * tiles::mean(&d) + once * tiles::mean(&brought);
         let mut t = Test { p: geometry.to_world(places[i].p), weight: 1.0 / density, gathered, ..Test::default() };
@@ -440,18 +439,14 @@ pub(crate) fn median_region(regions: &[RegionError]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Scene, shapes};
+    use crate::scene::shapes;
     use crate::twin::TwinEngine;
     use crate::twin::direct::Samples;
 
     #[test]
     fn points_under_a_lamp_stand_for_the_area_that_they_lie_on() {
         // A lamp of 4 cm, 2 cm above the floor of a room of a metre: a tile is 1.7 cm wide.
-        let mut triangles = shapes::room([0.0; 3], [1.0; 3], [0; 6]);
-        let lamp = [[0.48, 0.48], [0.52, 0.48], [0.52, 0.52], [0.48, 0.52]];
-        triangles.extend(shapes::quad(lamp.map(|[x, z]| [x, 0.02, z]), 1));
-        let materials = vec![Material::new("wall", [0.5; 3], [0.0; 3]), Material::new("lamp", [0.0; 3], [9.0; 3])];
-        let geometry = Geometry::new(&Scene::from_triangles("lamp", &triangles, materials).unwrap()).unwrap();
+        let geometry = Geometry::new(&shapes::low_lamp(0.48)).unwrap();
         let mut engine = TwinEngine::new(&geometry);
         let starts = tiles::starts(&geometry, &vec![0.0; geometry.tiles as usize], BRIGHT);
         let all = 6_000;

@@ -162,6 +162,16 @@ pub fn bumpy_room(triangles: usize) -> Scene {
     Scene { name: "bumpy room".into(), vertices, faces, materials, objects: vec!["room".into()], ..Scene::default() }
 }
 
+/// A room of a metre, and in it a lamp of 4 cm that begins at `x`, 2 cm above the floor that it faces.
+#[cfg(test)]
+pub fn low_lamp(x: f64) -> Scene {
+    let mut triangles = room([0.0; 3], [1.0; 3], [0; 6]);
+    let lamp = [[x, 0.48], [x + 0.04, 0.48], [x + 0.04, 0.52], [x, 0.52]];
+    triangles.extend(quad(lamp.map(|[x, z]| [x, 0.02, z]), 1));
+    let materials = vec![Material::new("wall", [0.5; 3], [0.0; 3]), Material::new("lamp", [0.0; 3], [9.0; 3])];
+    Scene::from_triangles("lamp", &triangles, materials).unwrap()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::DirectSum;
+use crate::network::tiles::mean;
 use crate::params::Params;
 use crate::progress::Progress;
 use crate::twin::direct::Samples;
@@ -60,7 +61,7 @@ fn goal(params: &Params, usual: f64, light: f64, most: u32) -> (f64, u32) {
 
 /// Direct light so far and the network's, mean over the bands.
 fn light_of(sum: &DirectSum, network: [f64; 3]) -> f64 {
-    (0..3).map(|k| f64::from(sum.mean()[k]) + network[k]).sum::<f64>() / 3.0
+    mean(&[0, 1, 2].map(|k| f64::from(sum.mean()[k]) + network[k]))
 }
 
 /// The standard error that direct light will be left with at a point, from its first rounds.

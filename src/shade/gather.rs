@@ -5,6 +5,7 @@ use super::direct::BRIGHT;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Point, Psi, kind};
+use crate::network::tiles::mean;
 use crate::params::{Direct, Params};
 use crate::progress::Progress;
 use crate::stream::{Stream, stream};
@@ -12,14 +13,14 @@ use crate::twin::direct::Samples;
 use crate::twin::gather::Gathered;
 use crate::twin::math::seed_of;
 
-/// Most gather rays in flight.
-const HITS: usize = 262_144;
+/// Most rays in flight.
+pub(super) const HITS: usize = 262_144;
 /// Samples of direct light at a gather ray's hit.
 const HIT: Samples = Samples { emitter: 2, cosine: 1 };
 /// Hits nearer than this many node spacings ask for light by a ray of their own.
 const CLOSE: f64 = 0.5;
 /// Bounces in a slot before the nodes' light is taken all the same.
-const BOUNCES: u32 = 8;
+pub(crate) const BOUNCES: u32 = 8;
 /// Share of its light by which the nodes that speak for a point may disagree.
 const TORN: f64 = 0.1;
 /// How many times as many rays a gather may have whose rays bring very different light.
@@ -33,9 +34,10 @@ pub(crate) fn gathers(params: &Params) -> bool {
     params.gather_rays > 0 && params.bounces.is_none()
 }
 
-/// Whether a point gets a final gather, by how near its surroundings are, the nodes that speak for it, what they say and all
-/// light there: nodes are too far apart for it, they disagree, or none speaks for it.
-pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &Psi, says: &[f32; 4], light: f64) -> bool {
+/// Whether a point gets a final gather, by how near its surroundings are, the nodes that speak for it, what they say and what comes
+/// straight from emitters: nodes are too far apart for it, they disagree, or none speaks for it.
+pub(crate) fn wants_gather(params: &Params, spacing: f64, nearness: f32, psi: &Psi, says: &[f32; 4], direct: &[f64; 3]) -> bool {
+    let light = mean(&[0, 1, 2].map(|k| direct[k] + f64::from(says[k])));
     let torn = params.rays >= FEW && f64::from(says[3]) > TORN * light;
     nearness as f64 * params.gather_threshold * spacing > 1.0 || psi.is_orphan() || torn
 }
@@ -51,10 +53,10 @@ fn most(params: &Params) -> u32 {
     if params.rays < FEW { params.gather_rays } else { MORE * params.gather_rays }
 }
 
-/// The variance that a gather will be left with at a point with so much light, from that of `rays` of its rays.
-pub(crate) fn gather_variance(params: &Params, usual: f64, light: f64, variance: f64, rays: u32) -> f64 {
-    let goal = goal(params, usual, light);
-    let (mut left, mut done) = (variance * f64::from(rays) / f64::from(params.gather_rays), params.gather_rays);
+/// The variance that a gather will be left with at a point with so much direct light, from some of its rays.
+pub(crate) fn gather_variance(params: &Params, usual: f64, direct: &[f64; 3], some: &Brought) -> f64 {
+    let goal = goal(params, usual, some.light(direct));
+    let (mut left, mut done) = (some.variance() * some.rays / f64::from(params.gather_rays), params.gather_rays);
     while left > goal * goal && done < most(params) {
         // As below: what has been shot is doubled.
         done *= 2;
@@ -63,30 +65,37 @@ pub(crate) fn gather_variance(params: &Params, usual: f64, light: f64, variance:
     left
 }
 
-/// Sums over the rays of a gather.
+/// What the rays of a gather brought, summed up.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sum {
+pub(crate) struct Brought {
     rays: f64,
-    brought: [f64; 3],
+    sum: [f64; 3],
     square: f64,
 }
 
-impl Sum {
-    fn add(&mut self, gathered: &Gathered, rays: u32) {
+impl Brought {
+    /// Adds what so many rays brought.
+    pub fn add(&mut self, gathered: &Gathered, rays: u32) {
         let rays = f64::from(rays);
         self.rays += rays;
         self.square += rays * f64::from(gathered.square);
-        (0..3).for_each(|k| self.brought[k] += rays * f64::from(gathered.irradiance[k]));
+        (0..3).for_each(|k| self.sum[k] += rays * f64::from(gathered.irradiance[k]));
     }
 
-    fn mean(&self) -> [f64; 3] {
-        self.brought.map(|x| x / self.rays)
+    /// The irradiance that is not direct.
+    pub fn mean(&self) -> [f64; 3] {
+        self.sum.map(|x| x / self.rays)
     }
 
-    /// Standard error of the mean over the bands.
-    fn error(&self) -> f64 {
-        let grey = self.mean().iter().sum::<f64>() / 3.0;
-        ((self.square / self.rays - grey * grey).max(0.0) / self.rays).sqrt()
+    /// All irradiance beside so much direct light, mean over the bands.
+    fn light(&self, direct: &[f64; 3]) -> f64 {
+        let brought = self.mean();
+        mean(&[0, 1, 2].map(|k| direct[k] + brought[k]))
+    }
+
+    /// Variance of the mean, of the mean over the bands.
+    fn variance(&self) -> f64 {
+        (self.square / self.rays - mean(&self.mean()).powi(2)).max(0.0) / self.rays
     }
 }
 
@@ -101,30 +110,30 @@ pub(super) fn gather<E: Engine>(
     seed: u32,
     progress: &mut Progress,
 ) -> Result<(Vec<[f64; 3]>, u64)> {
-    let mut sums = vec![Sum::default(); points.len()];
+    let mut sums = vec![Brought::default(); points.len()];
     let mut active: Vec<usize> = (0..points.len()).collect();
     let (mut rays, mut done, mut shot, mut turn) = (params.gather_rays, 0, 0, 0);
     while !active.is_empty() {
         for chunk in active.chunks((HITS / rays as usize).max(1)) {
             let from = engine.upload(&chunk.iter().map(|&i| points[i]).collect::<Vec<_>>())?;
             let seeds = [Stream::PointGather, Stream::HitDirect].map(|which| seed_of(stream(seed, which), turn));
-            let gathered = look(engine, params, whole.spacing, &from, seeds, rays, progress)?;
+            let gathered = look(engine, params, whole.spacing, &from, seeds, rays, BOUNCES, progress)?;
             chunk.iter().zip(&gathered).for_each(|(&i, g)| sums[i].add(g, rays));
+            progress.tick()?;
             turn += 1;
         }
         shot += active.len() as u64 * u64::from(rays);
         done += rays;
-        active.retain(|&i| {
-            let light = (0..3).map(|k| direct[i][k] + sums[i].mean()[k]).sum::<f64>() / 3.0;
-            done < most(params) && sums[i].error() > goal(params, whole.usual, light)
-        });
+        let scatters = |i: usize| sums[i].variance().sqrt() > goal(params, whole.usual, sums[i].light(&direct[i]));
+        active.retain(|&i| done < most(params) && scatters(i));
         // Double what has been shot.
         rays = done;
     }
-    Ok((sums.iter().map(Sum::mean).collect(), shot))
+    Ok((sums.iter().map(Brought::mean).collect(), shot))
 }
 
-/// What `rays` cosine rays of each point of a batch bring; `seeds` are the rays' own, and their ends'.
+/// What `rays` cosine rays of each point of a batch bring; `seeds` are the rays' own, and their ends'. In slots light is followed for
+/// `bounces`.
 pub(crate) fn look<E: Engine>(
     engine: &mut E,
     params: &Params,
@@ -132,13 +141,12 @@ pub(crate) fn look<E: Engine>(
     from: &E::Batch,
     seeds: [u32; 2],
     rays: u32,
+    bounces: u32,
     progress: &mut Progress,
 ) -> Result<Vec<Gathered>> {
     let mut hits = engine.shoot(from, seeds[0], 0, rays)?;
-    light_hits(engine, params, spacing, &mut hits, seeds[1], BOUNCES, progress)?;
-    let gathered = engine.gather(&hits, rays, true, params.direct == Direct::Exact)?;
-    progress.tick()?;
-    Ok(gathered)
+    light_hits(engine, params, spacing, &mut hits, seeds[1], bounces, progress)?;
+    engine.gather(&hits, rays, true, params.direct == Direct::Exact)
 }
 
 /// Finds the light at the hits of gather rays: the nodes', and direct light where that is exact.
@@ -173,9 +181,8 @@ fn light_hits<E: Engine>(
     }
     let own: Vec<Point> = close.iter().map(|&i| points[i]).collect();
     let mut from = engine.upload(&own)?;
-    let mut next = engine.shoot(&from, stream(seed, Stream::PointGather), 0, 1)?;
-    light_hits(engine, params, spacing, &mut next, stream(seed, Stream::HitDirect), bounces - 1, progress)?;
-    let brought = engine.gather(&next, 1, true, exact)?;
+    let seeds = [Stream::PointGather, Stream::HitDirect].map(|which| stream(seed, which));
+    let brought = look(engine, params, spacing, &from, seeds, 1, bounces - 1, progress)?;
     let known = match exact {
         true => vec![[0.0; 3]; own.len()],
         false => {
@@ -198,7 +205,7 @@ mod tests {
     use super::*;
     use crate::network::nodes::surface_of;
     use crate::progress::Flow;
-    use crate::scene::{Geometry, Material, Scene, shapes};
+    use crate::scene::{Geometry, shapes};
     use crate::twin::TwinEngine;
     use crate::twin::trace::surface_point;
 
@@ -208,22 +215,18 @@ mod tests {
     fn a_point_is_gathered_for_where_its_nodes_disagree() {
         let params = Params::default();
         let psi = Psi { node: [0, 1, u32::MAX, u32::MAX], weight: [0.5, 0.5, 0.0, 0.0] };
-        let wants = |torn, light| wants_gather(&params, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, torn], light);
+        let wants = |torn, light| wants_gather(&params, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, torn], &[light - 1.0; 3]);
         assert!(wants(0.3, 2.0) && !wants(0.1, 2.0));
         // Direct light makes what they disagree about smaller, and of few rays most nodes disagree.
         assert!(!wants(0.3, 4.0));
         let few = Params { rays: FEW - 1, ..params.clone() };
-        assert!(!wants_gather(&few, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, 0.3], 2.0));
+        assert!(!wants_gather(&few, 0.05, 0.1, &psi, &[1.0, 1.0, 1.0, 0.3], &[1.0; 3]));
     }
 
     #[test]
     fn rays_that_bring_very_different_light_are_shot_on() {
         // A lamp of 4 cm, 2 cm above the floor of a room of a metre: nearly all that the wall gets comes from a patch under it.
-        let mut triangles = shapes::room([0.0; 3], [1.0; 3], [0; 6]);
-        let lamp = [[0.1, 0.48], [0.14, 0.48], [0.14, 0.52], [0.1, 0.52]];
-        triangles.extend(shapes::quad(lamp.map(|[x, z]| [x, 0.02, z]), 1));
-        let materials = vec![Material::new("wall", [0.5; 3], [0.0; 3]), Material::new("lamp", [0.0; 3], [9.0; 3])];
-        let geometry = Geometry::new(&Scene::from_triangles("lamp", &triangles, materials).unwrap()).unwrap();
+        let geometry = Geometry::new(&shapes::low_lamp(0.1)).unwrap();
         let engine = &mut TwinEngine::new(&geometry);
         // No node speaks for anything: all that rays bring is direct light, once reflected.
         engine.set_surface(&surface_of(&geometry, Vec::new(), 0.3, false)).unwrap();
@@ -242,8 +245,8 @@ mod tests {
         let (mut plain, mut more, mut rays) = (Vec::new(), Vec::new(), 0);
         for seed in 0..48 {
             let from = engine.upload(&[point]).unwrap();
-            plain
-                .push(f64::from(look(engine, &params, 0.0, &from, [seed, seed + 100], RAYS, progress).unwrap()[0].irradiance[0]));
+            let found = look(engine, &params, 0.0, &from, [seed, seed + 100], RAYS, BOUNCES, progress).unwrap();
+            plain.push(f64::from(found[0].irradiance[0]));
             let whole = Whole { spacing: 0.0, usual };
             let (brought, shot) = gather(engine, &params, whole, &[point], &[[0.0; 3]], seed, progress).unwrap();
             more.push(brought[0][0]);

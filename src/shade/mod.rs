@@ -5,7 +5,7 @@ mod direct;
 mod gather;
 
 pub(crate) use direct::{direct_error, first_rounds};
-pub(crate) use gather::{gather_variance, gathers, look, wants_gather};
+pub(crate) use gather::{BOUNCES, Brought, gather_variance, gathers, look, wants_gather};
 
 use crate::effects::{Name, Spent};
 use crate::engine::Engine;
@@ -18,13 +18,11 @@ use crate::twin::direct::DirectRays;
 use crate::twin::gather::Gathered;
 use crate::twin::math::seed_of;
 use direct::sample_direct;
-use gather::gather;
+use gather::{HITS, gather};
 use std::time::Instant;
 
 /// Points in flight.
 const CHUNK: usize = 32_768;
-/// Most probes in flight.
-const PROBES: usize = 262_144;
 /// Rays that tell how near a point's surroundings are.
 const NEAR_PROBES: u32 = 8;
 /// Rays that tell whether a dark point is covered.
@@ -119,8 +117,7 @@ fn shade_chunk<E: Engine>(
         let irradiance = [0, 1, 2].map(|k| if covered[i] { 0.0 } else { direct[i][k] + network[i][k] as f64 });
         // All dark, and not covered: planes through the nodes around may have gone below 0 there.
         let lost = direct[i] == [0.0; 3] && network[i][..3] == [0.0; 3];
-        let light = irradiance.iter().sum::<f64>() / 3.0;
-        let wants = || wants_gather(params, whole.spacing, near[i].nearness, &psi[i], &network[i], light);
+        let wants = || wants_gather(params, whole.spacing, near[i].nearness, &psi[i], &network[i], &direct[i]);
         if gathers && !covered[i] && (lost || wants()) {
             wanted.push(i);
         }
@@ -131,7 +128,7 @@ fn shade_chunk<E: Engine>(
 
     // Final gather where the network is not fine enough.
     let own: Vec<Point> = wanted.iter().map(|&i| points[i]).collect();
-    if !exact {
+    if !exact && !own.is_empty() {
         // The network carried direct light too; a gathered point takes it exactly.
         let all: Vec<u32> = (0..own.len() as u32).collect();
         let light: Vec<[f32; 4]> = wanted.iter().map(|&i| network[i]).collect();
@@ -205,7 +202,7 @@ fn probe<E: Engine>(
     progress: &mut Progress,
 ) -> Result<Vec<Gathered>> {
     let mut met = Vec::with_capacity(listed.len());
-    for (c, chunk) in listed.chunks(PROBES / rays as usize).enumerate() {
+    for (c, chunk) in listed.chunks(HITS / rays as usize).enumerate() {
         let from = engine.upload(&chunk.iter().map(|&i| points[i as usize]).collect::<Vec<_>>())?;
         let hits = engine.shoot(&from, seed_of(seed, c as u32), 0, rays)?;
         met.extend(engine.gather(&hits, rays, false, false)?);
