@@ -11,6 +11,7 @@ use crate::checkpoint::{Checkpoint, Pilot, once};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{DirectSum, Node, NodeSource, Tile};
+use crate::network::candidates;
 use crate::network::growth::Growth;
 use crate::network::nodes;
 use crate::network::tiles::{self, Looks, mean};
@@ -245,7 +246,7 @@ pub(super) fn trace<E: Engine>(
 
     // Place the nodes.
     let lambda = params.lambda as f32;
-    let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
+    let mark = stage.told && candidates::worth_marking(geometry, stage.rays);
     let surface = clock.time(engine, "nodes", |engine| match &saved.network.nodes {
         Some(nodes) => {
             // Rays are assigned to all nodes; which of them none has met is found later.
@@ -313,9 +314,9 @@ fn network<E: Engine>(
     let exact = params.direct == Direct::Exact;
     let tell = |progress: &mut Progress, name| if stage.told { progress.event(Event::Stage { name }) } else { Ok(()) };
     let Traced { mut surface, mut batches, lengths } = trace(engine, geometry, params, stage, saved, clock, progress)?;
-    let mark = stage.told && nodes::worth_marking(geometry, stage.rays);
+    let mark = stage.told && candidates::worth_marking(geometry, stage.rays);
     if let Some(built) = &saved.network.coefficients
-        && nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark)
+        && candidates::leave_out_empty(geometry, &mut surface, &built.mass, mark)
     {
         engine.set_surface(&surface)?;
     }
@@ -385,7 +386,7 @@ fn network<E: Engine>(
             let (ridge, slots) = (params.ridge, params.slots as usize);
             let mut built = coefficients::build(&sums, &mut surface.nodes, ridge, slots, stage.rays as f64);
             built.system.materials = materials;
-            nodes::leave_out_empty(geometry, &mut surface, &built.mass, mark);
+            candidates::leave_out_empty(geometry, &mut surface, &built.mass, mark);
             engine.set_surface(&surface)?;
             if exact {
                 // The first bounce is known at every ray's end; it needs no cell.

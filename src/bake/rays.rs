@@ -5,7 +5,7 @@ use crate::checkpoint::{Checkpoint, unread};
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::layout::{NONE, NodeLight, kind};
-use crate::network::nodes;
+use crate::network::candidates;
 use crate::params::{Direct, Params};
 use crate::progress::{Event, Progress};
 use crate::radiosity::coefficients;
@@ -47,7 +47,7 @@ pub fn run<E: Engine>(
         let rays = params.rays as f32;
         let sums = engine.coefficients(&batches, exact, normalise, rays, 0, &mut || progress.tick())?;
         let built = coefficients::build(&sums, &mut surface.nodes, params.ridge, params.slots as usize, params.rays as f64);
-        nodes::leave_out_empty(geometry, &mut surface, &built.mass, nodes::worth_marking(geometry, params.rays));
+        candidates::leave_out_empty(geometry, &mut surface, &built.mass, candidates::worth_marking(geometry, params.rays));
         engine.set_surface(&surface)?;
         Ok(coefficients::Coefficients { stored: directed, ..built })
     })?;

@@ -1,14 +1,11 @@
 //! Lists of candidates that small tiles share. A triangle has a tile at least, so a scene of millions has millions of
 //! tiles, far more than its light has detail: lists of their own would take gigabytes.
 
-use super::boxes::Boxes;
+use super::tiles::tile_corners;
 use crate::hash::NumberMap;
-use crate::layout::{Candidate, NONE};
-use crate::network::nodes::tile_corners;
+use crate::layout::NONE;
 use crate::scene::{Geometry, TILES};
-use crate::twin::assign::{CONE, NEAREST, Surface};
 use glam::Vec3;
-use rayon::prelude::*;
 
 /// Tiles beyond which they share lists.
 const MANY: u32 = 1 << 18;
@@ -20,7 +17,7 @@ const FACETS: f32 = 8.0;
 pub struct Groups {
     /// The group of each tile.
     pub of_tile: Vec<u32>,
-    groups: Vec<Group>,
+    groups: Vec<Extent>,
 }
 
 impl Groups {
@@ -34,6 +31,11 @@ impl Groups {
         self.groups.is_empty()
     }
 
+    /// What a group takes in.
+    pub fn extent(&self, group: usize) -> &Extent {
+        &self.groups[group]
+    }
+
     /// A tile of each group: its first.
     pub fn tiles(&self) -> Vec<u32> {
         let mut first = vec![NONE; self.groups.len()];
@@ -44,16 +46,27 @@ impl Groups {
     }
 }
 
-/// What tiles have in common.
+/// Where the points of a tile, or of tiles that have much in common, lie and face.
 #[derive(Clone, Debug)]
-struct Group {
-    material: u32,
-    centre: Vec3,
-    /// How far their points lie from the centre at most, local.
-    radius: f32,
-    normal: Vec3,
-    /// How far the ends of their normals lie from that of `normal` at most.
-    spread: f32,
+pub struct Extent {
+    pub material: u32,
+    pub centre: Vec3,
+    /// How far points lie from the centre at most, local.
+    pub radius: f32,
+    pub normal: Vec3,
+    /// How far the ends of normals lie from that of `normal` at most.
+    pub spread: f32,
+}
+
+impl Extent {
+    /// That of a tile.
+    pub fn of_tile(geometry: &Geometry, tile: u32) -> Extent {
+        let tri = &geometry.tris[geometry.tile_tri[tile as usize] as usize];
+        let corners = tile_corners(geometry, tile);
+        let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let radius = corners.iter().map(|c| (*c - centre).length()).fold(0.0, f32::max);
+        Extent { material: tri.material, centre, radius, normal: Vec3::from(tri.normal), spread: 0.0 }
+    }
 }
 
 /// The groups of a scene that has many tiles.
@@ -92,9 +105,9 @@ pub fn group(geometry: &Geometry) -> Groups {
             group
         })
         .collect();
-    let mut groups: Vec<Group> = sums
+    let mut groups: Vec<Extent> = sums
         .into_iter()
-        .map(|(material, centre, normal, count)| Group {
+        .map(|(material, centre, normal, count)| Extent {
             material,
             centre: Vec3::from(centre.map(|x| (x / count) as f32)),
             radius: 0.0,
@@ -126,45 +139,4 @@ fn facet(n: Vec3) -> i32 {
     let cell = |x: f32| (((x + 1.0) * 0.5 * FACETS) as i32).min(FACETS as i32 - 1);
     let side = 2 * axis + i32::from(n[axis as usize] < 0.0);
     (side * FACETS as i32 + cell(u)) * FACETS as i32 + cell(v)
-}
-
-/// For each group the nodes that can be among the nearest of any point of its tiles. Nodes of other cones than a tile's own
-/// are among them, too: whoever reads the list asks.
-pub fn candidates(geometry: &Geometry, surface: &Surface, groups: &Groups) -> Vec<Vec<Candidate>> {
-    let (inv, lambda) = (surface.inv_unit, surface.lambda);
-    // Normals whose ends are nearer than this are in each other's cone; rounding is granted.
-    let cone = (2.0 - 2.0 * CONE).sqrt();
-    let boxes = Boxes::new(geometry, surface);
-    let list = |group: &Group| {
-        // How much nearer, or farther, a point of the group may be to a node than the centre is.
-        let slack = (group.radius * inv).hypot(lambda * group.spread);
-        let within_reach = |nodes: &mut dyn Iterator<Item = &u32>| {
-            let (mut near, mut sure): (Vec<(f32, u32)>, Vec<f32>) = (Vec::new(), Vec::new());
-            for &i in nodes {
-                let node = &surface.nodes[i as usize];
-                let (d, m) = ((group.centre - Vec3::from(node.p)) * inv, group.normal - Vec3::from(node.n));
-                let (apart, distance) = (m.length(), (d.dot(d) + lambda * lambda * m.dot(m)).sqrt());
-                if apart - group.spread < cone * (1.0 + 1e-5) {
-                    near.push((distance, i));
-                }
-                if apart + group.spread < cone * (1.0 - 1e-5) {
-                    sure.push(distance);
-                }
-            }
-            if sure.len() < NEAREST {
-                return (near, f32::INFINITY);
-            }
-            sure.select_nth_unstable_by(NEAREST - 1, f32::total_cmp);
-            let reach = (sure[NEAREST - 1] + 2.0 * slack) * (1.0 + 1e-5);
-            near.retain(|x| x.0 <= reach);
-            (near, reach)
-        };
-        let (mut near, reach) = within_reach(&mut boxes.around(boxes.key(group.material, group.centre)));
-        if reach > 0.999 * boxes.width {
-            near = within_reach(&mut boxes.of_material(group.material).iter()).0;
-        }
-        near.sort_unstable_by_key(|x| x.1);
-        near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
-    };
-    groups.groups.par_iter().map(list).collect()
 }

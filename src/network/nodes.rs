@@ -1,18 +1,16 @@
-//! The surface network: nodes on live surface points, and each tile's candidates (design §1, step 4).
+//! The surface network: nodes on live surface points (design §1, step 4).
 
-use super::boxes::{Boxes, Key};
-use super::groups;
+use super::candidates;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{Candidate, NONE, Node, Point};
+use crate::layout::{NONE, Node, Point};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
-use crate::twin::assign::{CONE, LIFT, NEAREST, Surface, crossed};
+use crate::twin::assign::Surface;
 use crate::twin::gather::Gathered;
 use crate::twin::math::{invert_cdf, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{Ray, closest, place_in_tile, surface_point};
-use glam::Vec3;
+use crate::twin::trace::{place_in_tile, surface_point};
 use rayon::prelude::*;
 
 /// Training points a node.
@@ -25,8 +23,8 @@ const ORPHAN_ROUNDS: usize = 3;
 const POINTS_PER_ORPHAN_NODE: usize = 8;
 /// Most nodes a round of orphans may add, as a share of the rest.
 const ORPHAN_SHARE: f64 = 0.12;
-/// Rays that tell whether a training point is dead.
-pub const DEAD_PROBES: u32 = 12;
+/// Rays that tell whether a training point is dead: one front face that the first ones meet is enough, else more follow.
+pub const DEAD_PROBES: [u32; 2] = [3, 9];
 
 /// A training point in the nodes' metric: (p/L, lambda n).
 type Place = [f32; 6];
@@ -116,21 +114,30 @@ pub fn place_on_tile(geometry: &Geometry, tile: u32, u: f32, v: f32) -> Point {
     surface_point(geometry, tri, b1, b2)
 }
 
-/// Which of the points are dead; see [`Gathered::is_dead`].
+/// Which of the points are dead, as [`Gathered::is_dead`] has it.
 pub fn dead_points<E: Engine>(engine: &mut E, points: &[Point], seed: u32, progress: &mut Progress) -> Result<Vec<bool>> {
-    let mut dead = Vec::with_capacity(points.len());
-    for chunk in points.chunks(32_768) {
-        let batch = engine.upload(chunk)?;
-        let hits = engine.shoot(&batch, seed, 0, DEAD_PROBES)?;
-        dead.extend(engine.gather(&hits, DEAD_PROBES, false, false)?.iter().map(Gathered::is_dead));
-        progress.tick()?;
+    let mut seen = vec![Gathered::default(); points.len()];
+    let mut unsure: Vec<usize> = (0..points.len()).collect();
+    let mut shot = 0;
+    for rays in DEAD_PROBES {
+        for chunk in unsure.chunks(32_768) {
+            let batch = engine.upload(&chunk.iter().map(|&i| points[i]).collect::<Vec<_>>())?;
+            let hits = engine.shoot(&batch, seed, shot, rays)?;
+            for (&i, more) in chunk.iter().zip(engine.gather(&hits, rays, false, false)?) {
+                let share = rays as f32 / (shot + rays) as f32;
+                seen[i].front += share * (more.front - seen[i].front);
+                seen[i].back += share * (more.back - seen[i].back);
+            }
+            progress.tick()?;
+        }
+        shot += rays;
+        unsure.retain(|&i| seen[i].front == 0.0);
     }
-    Ok(dead)
+    Ok(seen.iter().map(Gathered::is_dead).collect())
 }
 
 /// Places about `count` nodes with density `density` (per area, a number each tile), then more where
-/// points find no compatible node. `mark`: also find which nodes need no visibility ray
-/// ([`mark_free`]). The surface is left set on the engine.
+/// points find no compatible node. `mark`: as for [`candidates::find`]. The surface is left set on the engine.
 pub fn place_nodes<E: Engine>(
     engine: &mut E,
     geometry: &Geometry,
@@ -159,36 +166,32 @@ pub fn place_nodes<E: Engine>(
     add_nodes(geometry, &mut surface, &points, &places, &all, count);
     progress.tick()?;
     // Until all nodes are there, only the training points' own tiles are asked of.
-    let mut asked = vec![false; geometry.tiles as usize];
-    for p in points.iter().filter(|p| p.tile != NONE) {
-        asked[p.tile as usize] = true;
-    }
-    list_candidates(geometry, &mut surface, |tile| asked[tile]);
+    let asked = candidates::of_tiles(geometry, points.iter().map(|p| p.tile).filter(|&t| t != NONE));
+    candidates::find_some(geometry, &mut surface, &asked);
     engine.set_surface(&surface)?;
 
-    // Orphans get nodes of their own.
+    // Orphans get nodes of their own; whoever has a node that speaks for it keeps one.
+    let mut orphans = all;
     for _ in 0..ORPHAN_ROUNDS {
-        let mut orphans = Vec::new();
-        for (start, chunk) in points.chunks(65_536).enumerate() {
-            let mut batch = engine.upload(chunk)?;
+        let mut left = Vec::new();
+        for chunk in orphans.chunks(65_536) {
+            let mut batch = engine.upload(&chunk.iter().map(|&i| points[i]).collect::<Vec<_>>())?;
             engine.assign(&mut batch)?;
             let psi = engine.psi(&batch)?;
-            orphans.extend(psi.iter().enumerate().filter(|(_, s)| s.is_orphan()).map(|(i, _)| start * 65_536 + i));
+            left.extend(chunk.iter().zip(psi).filter(|(_, psi)| psi.is_orphan()).map(|(&i, _)| i));
             progress.tick()?;
         }
+        orphans = left;
         let more =
             orphans.len().div_ceil(POINTS_PER_ORPHAN_NODE).min((ORPHAN_SHARE * surface.nodes.len() as f64).ceil() as usize);
         if more == 0 {
             break;
         }
         add_nodes(geometry, &mut surface, &points, &places, &orphans, more);
-        list_candidates(geometry, &mut surface, |tile| asked[tile]);
+        candidates::find_some(geometry, &mut surface, &asked);
         engine.set_surface(&surface)?;
     }
-    find_candidates(geometry, &mut surface);
-    if mark {
-        mark_free(geometry, &mut surface);
-    }
+    candidates::find(geometry, &mut surface, mark);
     engine.set_surface(&surface)?;
     Ok(surface)
 }
@@ -196,10 +199,7 @@ pub fn place_nodes<E: Engine>(
 /// The surface network of nodes that were placed earlier; `mark` as for [`place_nodes`].
 pub fn surface_of(geometry: &Geometry, nodes: Vec<Node>, lambda: f32, mark: bool) -> Surface {
     let mut surface = Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda, ..Surface::default() };
-    find_candidates(geometry, &mut surface);
-    if mark {
-        mark_free(geometry, &mut surface);
-    }
+    candidates::find(geometry, &mut surface, mark);
     surface
 }
 
@@ -216,189 +216,6 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
             surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, gain: 1.0, ..Node::default() });
         }
     }
-}
-
-/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points, and looks up from
-/// each node.
-pub fn find_candidates(geometry: &Geometry, surface: &mut Surface) {
-    list_candidates(geometry, surface, |_| true);
-}
-
-/// [`find_candidates`] for the tiles that are `asked` of; the lists of all others stay empty, where they have their own.
-fn list_candidates(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
-    surface.nodes.par_iter_mut().for_each(|n| {
-        n.clear = closest(
-            geometry,
-            &Ray { origin: Vec3::from(n.p), direction: Vec3::from(n.n), t_max: f32::MAX, skip: [n.plane, NONE] },
-        )
-        .t
-    });
-    surface.groups = geometry.groups.clone();
-    let rows = match &surface.groups {
-        Some(groups) => groups::candidates(geometry, surface, groups),
-        None => candidates_of_tiles(geometry, surface, asked),
-    };
-    surface.offsets = vec![0];
-    surface.candidates.clear();
-    for row in rows {
-        surface.candidates.extend(row);
-        surface.offsets.push(surface.candidates.len() as u32);
-    }
-}
-
-/// The lists of [`list_candidates`], one each tile.
-fn candidates_of_tiles(geometry: &Geometry, surface: &Surface, asked: impl Fn(usize) -> bool + Sync) -> Vec<Vec<Candidate>> {
-    let (inv, lambda) = (surface.inv_unit, surface.lambda);
-    let boxes = Boxes::new(geometry, surface);
-    // Tiles follow each other by place: most find the boxes around them where the one before had them.
-    type Around = (Option<Key>, Vec<u32>);
-    (0..geometry.tiles as usize)
-        .into_par_iter()
-        .with_min_len(256)
-        .map_init(Around::default, |(last, around), tile| {
-            if !asked(tile) {
-                return Vec::new();
-            }
-            let t = geometry.tile_tri[tile];
-            let tri = &geometry.tris[t as usize];
-            let own = boxes.of_material(tri.material);
-            if own.is_empty() {
-                return Vec::new();
-            }
-            let corners = tile_corners(geometry, tile as u32);
-            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let radius = corners.iter().map(|c| (*c - centre).length()).fold(0.0, f32::max) * inv;
-            let n = Vec3::from(tri.normal);
-            let measure = |&i: &u32| {
-                let node = &surface.nodes[i as usize];
-                let d = (centre - Vec3::from(node.p)) * inv;
-                let m = (n - Vec3::from(node.n)) * lambda;
-                (Vec3::from(node.n).dot(n) > CONE).then(|| ((d.dot(d) + m.dot(m)).sqrt(), i))
-            };
-            // No point of the tile lies farther than `radius` from its centre, so nodes beyond `reach`
-            // are not among its nearest.
-            let within_reach = |mut near: Vec<(f32, u32)>| {
-                if near.len() < NEAREST {
-                    return (near, f32::INFINITY);
-                }
-                near.select_nth_unstable_by(NEAREST - 1, |a, b| a.0.total_cmp(&b.0));
-                let reach = (near[NEAREST - 1].0 + 2.0 * radius) * (1.0 + 1e-5);
-                near.retain(|x| x.0 <= reach);
-                (near, reach)
-            };
-            let here = boxes.key(tri.material, centre);
-            if *last != Some(here) {
-                (*last, *around) = (Some(here), boxes.around(here).copied().collect());
-            }
-            let (mut near, reach) = within_reach(around.iter().filter_map(measure).collect());
-            if reach > 0.999 * boxes.width {
-                near = within_reach(own.iter().filter_map(measure).collect()).0;
-            }
-            near.sort_unstable_by_key(|x| x.1);
-
-            near.into_iter().map(|x| Candidate { node: x.1, free: 0 }).collect()
-        })
-        .collect()
-}
-
-/// Leaves out the nodes that no ray has met, whose light nobody knows: a point near them is better gathered for. Returns
-/// whether there were any.
-pub fn leave_out_empty(geometry: &Geometry, surface: &mut Surface, mass: &[f64], mark: bool) -> bool {
-    let mut any = false;
-    for (node, _) in surface.nodes.iter_mut().zip(mass).filter(|(_, m)| **m <= 0.0) {
-        node.gain = -1.0;
-        any = true;
-    }
-    if any {
-        find_candidates(geometry, surface);
-        if mark {
-            mark_free(geometry, surface);
-        }
-    }
-    any
-}
-
-/// Whether so many rays save more by marks than finding them takes. Lists that tiles share have none.
-pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
-    rays >= geometry.tiles && geometry.groups.is_none()
-}
-
-/// Marks the candidates that nothing can hide from their tile, so that no ray need be shot. Worth its
-/// box queries where many points are assigned; the weights are the same without.
-pub fn mark_free(geometry: &Geometry, surface: &mut Surface) {
-    let Surface { nodes, offsets, candidates, .. } = surface;
-    let free: Vec<Vec<u32>> = (0..geometry.tiles as usize)
-        .into_par_iter()
-        .map(|tile| {
-            let own: Vec<&Node> =
-                candidates[offsets[tile] as usize..offsets[tile + 1] as usize].iter().map(|c| &nodes[c.node as usize]).collect();
-            let tri = &geometry.tris[geometry.tile_tri[tile] as usize];
-            let (corners, n) = (tile_corners(geometry, tile as u32), Vec3::from(tri.normal));
-            // Ask for all at once before asking for each.
-            let alone = is_free(geometry, &corners, n, tri.plane, &own);
-            own.iter().map(|&node| (alone || is_free(geometry, &corners, n, tri.plane, &[node])) as u32).collect()
-        })
-        .collect();
-    for (candidate, free) in candidates.iter_mut().zip(free.into_iter().flatten()) {
-        candidate.free = free;
-    }
-}
-
-/// The corners of a tile.
-pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
-    let t = &geometry.tris[geometry.tile_tri[tile as usize] as usize];
-    // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
-    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
-        let (b1, b2) = place_in_tile(geometry.flatland, t.cuts(), tile - t.first_tile, a, b);
-        crate::twin::trace::corner_position(t, b1, b2)
-    })
-}
-
-/// Whether no triangle outside the planes of the tile and the nodes touches the box around all
-/// lifted segments between them.
-fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes: &[&Node]) -> bool {
-    let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
-    let mut take = |v: Vec3| {
-        low = low.min(v);
-        high = high.max(v);
-    };
-    for node in nodes {
-        let q = Vec3::from(node.p);
-        for &c in corners {
-            // Their own planes may stand between them.
-            if crossed(c, n, plane, node) != [plane, node.plane] {
-                return false;
-            }
-            let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
-            // Segments start at the lift, so the surface itself is not in the box.
-            take(c + n * lift);
-            take(q + Vec3::from(node.n) * lift);
-            take(c + n * 2e-6);
-            take(q + Vec3::from(node.n) * 2e-6);
-        }
-    }
-    let mut stack = vec![0u32];
-    while let Some(i) = stack.pop() {
-        let b = &geometry.nodes[i as usize];
-        if Vec3::from(b.max).cmplt(low).any() || Vec3::from(b.min).cmpgt(high).any() {
-            continue;
-        }
-        if b.count == 0 {
-            stack.extend([b.first, b.first + 1]);
-            continue;
-        }
-        for t in &geometry.tris[b.first as usize..(b.first + b.count) as usize] {
-            if t.plane == plane || nodes.iter().all(|n| n.plane == t.plane) {
-                continue;
-            }
-            let v = [t.v0, t.v1, t.v2].map(Vec3::from);
-            let (tl, th) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
-            if !(th.cmplt(low).any() || tl.cmpgt(high).any()) {
-                return false;
-            }
-        }
-    }
-    true
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Tables over the tiles: where rays start, and how dense nodes lie (design §1, steps 1 and 4).
 
-use super::nodes::{place_on_tile, tile_corners};
+use super::nodes::place_on_tile;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::hash::NumberMap;
@@ -10,6 +10,8 @@ use crate::scene::{Geometry, TILES, cumulative};
 use crate::twin::direct::Samples;
 use crate::twin::math::{invert_cdf, seed_of, unit};
 use crate::twin::sobol::sobol4;
+use crate::twin::trace::{corner_position, place_in_tile};
+use glam::Vec3;
 
 /// Points in flight.
 const BATCH: usize = 65_536;
@@ -17,6 +19,16 @@ const BATCH: usize = 65_536;
 /// The mean over the bands.
 pub fn mean(x: &[f64; 3]) -> f64 {
     (x[0] + x[1] + x[2]) / 3.0
+}
+
+/// The corners of a tile.
+pub fn tile_corners(geometry: &Geometry, tile: u32) -> [Vec3; 3] {
+    let t = &geometry.tris[geometry.tile_tri[tile as usize] as usize];
+    // Places (0, ?), (1, 0) and (1, 1) of the tile are its corners.
+    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(a, b)| {
+        let (b1, b2) = place_in_tile(geometry.flatland, t.cuts(), tile - t.first_tile, a, b);
+        corner_position(t, b1, b2)
+    })
 }
 
 /// A random point of every tile; where tiles are in groups, of one tile each group.
@@ -198,7 +210,7 @@ mod tests {
         for (t, look) in some.of.iter().map(|&i| some.tiles[i as usize]).enumerate() {
             let [a, b] = [t as u32, look].map(|t| &geometry.tris[geometry.tile_tri[t as usize] as usize]);
             assert!(a.material == b.material && a.normal == b.normal, "{t} {look}");
-            let [a, b] = [t as u32, look].map(|t| tile_corners(&geometry, t).into_iter().sum::<glam::Vec3>() / 3.0);
+            let [a, b] = [t as u32, look].map(|t| tile_corners(&geometry, t).into_iter().sum::<Vec3>() / 3.0);
             assert!((a - b).abs().max_element() <= width, "{t} {look}");
         }
     }
