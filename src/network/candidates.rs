@@ -280,7 +280,12 @@ mod tests {
             assert!(surface.offsets == anew.offsets && surface.candidates == anew.candidates);
             assert!(surface.candidates.len() < all && surface.candidates.iter().all(|c| mass[c.node as usize] > 0.0));
             assert_eq!(surface.candidates.iter().any(|c| c.free == 1), mark);
-            assert!(!leave_out_empty(&geometry, &mut surface_of(&geometry, placed.clone(), 0.3, mark), &vec![1.0; placed.len()], mark));
+            assert!(!leave_out_empty(
+                &geometry,
+                &mut surface_of(&geometry, placed.clone(), 0.3, mark),
+                &vec![1.0; placed.len()],
+                mark
+            ));
         }
     }
 

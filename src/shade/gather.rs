@@ -163,35 +163,45 @@ fn light_hits<E: Engine>(
     progress: &mut Progress,
 ) -> Result<()> {
     let exact = params.direct == Direct::Exact;
-    engine.assign(hits)?;
-    engine.readout(hits)?;
-    engine.finish()?;
-    progress.tick()?;
     if exact {
         engine.direct(hits, None, seed, 0, 1, HIT)?;
     }
-    if bounces == 0 {
-        return Ok(());
-    }
-    let points = engine.points(hits)?;
-    let near = |p: &Point| p.kind == kind::FRONT && f64::from(p.weight) < CLOSE * spacing;
-    let close: Vec<usize> = (0..points.len()).filter(|&i| near(&points[i])).collect();
+    let points = match bounces {
+        0 => Vec::new(),
+        _ => engine.points(hits)?,
+    };
+    let is_close = |p: &Point| f64::from(p.weight) < CLOSE * spacing;
+    let front = (0..points.len()).filter(|&i| points[i].kind == kind::FRONT);
+    let (close, far): (Vec<usize>, Vec<usize>) = front.partition(|&i| is_close(&points[i]));
     if close.is_empty() {
-        return Ok(());
+        engine.assign(hits)?;
+        engine.readout(hits)?;
+        engine.finish()?;
+        return progress.tick();
     }
-    let own: Vec<Point> = close.iter().map(|&i| points[i]).collect();
-    let mut from = engine.upload(&own)?;
+    let mut light = vec![[0.0; 4]; points.len()];
+    let own = |listed: &[usize]| listed.iter().map(|&i| points[i]).collect::<Vec<_>>();
+
+    // Only those whose light the nodes speak for are asked about.
+    if !far.is_empty() {
+        let mut from = engine.upload(&own(&far))?;
+        engine.assign(&mut from)?;
+        engine.readout(&mut from)?;
+        far.iter().zip(engine.irradiance(&from)?).for_each(|(&i, l)| light[i] = l);
+    }
+    progress.tick()?;
+
+    let mut from = engine.upload(&own(&close))?;
     let seeds = [Stream::PointGather, Stream::HitDirect].map(|which| stream(seed, which));
     let brought = look(engine, params, spacing, &from, seeds, 1, bounces - 1, progress)?;
     let known = match exact {
-        true => vec![[0.0; 3]; own.len()],
+        true => vec![[0.0; 3]; close.len()],
         false => {
             // The nodes' light would have held it.
             engine.direct(&mut from, None, stream(seed, Stream::PointDirect), 0, 1, HIT)?;
             engine.direct_sums(&from)?.iter().map(DirectSum::mean).collect()
         }
     };
-    let mut light = engine.irradiance(hits)?;
     for (k, &i) in close.iter().enumerate() {
         for b in 0..3 {
             light[i][b] = known[k][b] + brought[k].irradiance[b];
