@@ -80,6 +80,8 @@ pub trait Engine: Responder {
     fn assign(&mut self, batch: &mut Self::Batch) -> Result<()>;
     /// The weights that `assign` found.
     fn psi(&mut self, batch: &Self::Batch) -> Result<Vec<Psi>>;
+    /// Replaces them.
+    fn set_psi(&mut self, batch: &mut Self::Batch, psi: &[Psi]) -> Result<()>;
 
     /// Pass `feature`: every directed ray of a batch as a point of ray space.
     fn feature(&mut self, batch: &mut Self::Batch, metric: Metric, brightness: &[f32]) -> Result<()>;

@@ -48,13 +48,31 @@ fn distance2(p: vec3<f32>, n: vec3<f32>, node: u32) -> f32 {
     return dot3(d, d) + dot3(m, m);
 }
 
-// The planar pieces that a segment between a point and a node need not look at: their own, unless one lies behind the
-// other's plane by more than the turn of their normals explains, as of two sheets that face the same way.
-fn crossed(p: vec3<f32>, n: vec3<f32>, plane: u32, node: u32) -> vec2<u32> {
+// How a point and a node lie to each other.
+struct Between {
+    behind: vec2<f32>, // how far the node lies behind the point's plane, and the point behind the node's
+    turn: f32, // how far behind the turn of their normals explains, as of an edge or a curve between them
+    cosine: f32, // between their normals
+    lift: f32, // how far the segment is lifted at both ends: by LIFT, and over such an edge
+}
+
+fn between(p: vec3<f32>, n: vec3<f32>, node: u32) -> Between {
     let d = p - nodes[node].p;
     let m = nodes[node].n;
     let turn = sqrt(dot3(n - m, n - m) * dot3(d, d)) + FLOOR;
-    return vec2<u32>(select(plane, NONE, dot3(d, n) > turn), select(nodes[node].plane, NONE, -dot3(d, m) > turn));
+    let behind = vec2<f32>(dot3(d, n), -dot3(d, m));
+    let cosine = dot3(n, m);
+    let over = select(vec2<f32>(), behind, behind <= vec2<f32>(turn));
+    let lift = max(max(LIFT * sqrt(dot3(d, d)), FLOOR), max(over.x, over.y) / cosine);
+    return Between(behind, turn, cosine, lift);
+}
+
+// The planes that the segment need not look at, of those of the point and the node, where they are lifted so far: the plane
+// that the other end lies behind only as an edge explains it, and is lifted over. Of two sheets that face the same way, or where
+// one surface runs into another, the plane hides what lies behind.
+fn crossed(at: Between, plane: u32, node: u32, own: f32, other: f32) -> vec2<u32> {
+    let hides = at.behind > vec2<f32>(min(at.turn, other * at.cosine + FLOOR), min(at.turn, own * at.cosine + FLOOR));
+    return select(vec2<u32>(plane, nodes[node].plane), vec2<u32>(NONE), hides);
 }
 
 // What a point sees: the ray up to where segments are lifted, or a segment to a node, lifted along both normals.
@@ -191,21 +209,21 @@ fn weights(i: u32) -> Psi {
             k++;
         }
         if pending {
-            let q = nodes[node].p;
-            let lift = max(LIFT * sqrt(dot3(p - q, p - q)), FLOOR);
+            let at = between(p, n, node);
             let up = reach < 0.0;
-            let start = p + n * min(lift, 0.5 * reach);
-            let stop = q + nodes[node].n * min(lift, 0.5 * nodes[node].clear);
-            var look = Look(start, stop - start, 1.0, crossed(p, n, plane, node));
+            let own = min(at.lift, 0.5 * reach);
+            let other = min(at.lift, 0.5 * nodes[node].clear);
+            let start = p + n * own;
+            let stop = nodes[node].p + nodes[node].n * other;
+            var look = Look(start, stop - start, 1.0, crossed(at, plane, node, own, other));
             if up {
-                var far = 0.0;
+                var most = 0.0;
                 for (var c = 0u; c < NEAREST; c++) {
                     if near_c[c] != NONE {
-                        let d = p - nodes[candidate_node(near_c[c])].p;
-                        far = max(far, sqrt(dot3(d, d)));
+                        most = max(most, between(p, n, candidate_node(near_c[c])).lift);
                     }
                 }
-                look = Look(p, n, 2.0 * (LIFT * 1.001 * far + 2.0 * FLOOR), vec2<u32>(plane, NONE));
+                look = Look(p, n, 2.0 * (1.001 * most + 2.0 * FLOOR), vec2<u32>(plane, NONE));
             }
             let met = walk(look.origin, look.direction, look.t_max, look.skip, !up, vec3<f32>());
             if up {

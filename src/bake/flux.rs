@@ -288,7 +288,11 @@ pub(super) fn trace<E: Engine>(
             })?;
             progress.tick()?;
         }
-        clock.time(engine, "assign", |engine| engine.assign(&mut batch))?;
+        clock.time(engine, "assign", |engine| {
+            engine.assign(&mut batch)?;
+            let (points, mut psi) = (engine.points(&batch)?, engine.psi(&batch)?);
+            if nodes::lend(geometry, &points, &mut psi) { engine.set_psi(&mut batch, &psi) } else { Ok(()) }
+        })?;
         if net.coefficients.is_none() {
             clock.time(engine, "train", |engine| engine.feature(&mut batch, metric, &brightness))?;
         }

@@ -6,7 +6,7 @@ use super::groups::Extent;
 use super::tiles::tile_corners;
 use crate::layout::{Candidate, NONE, Node};
 use crate::scene::Geometry;
-use crate::twin::assign::{CONE, LIFT, NEAREST, Surface, crossed};
+use crate::twin::assign::{Between, CONE, NEAREST, Surface};
 use crate::twin::trace::{Ray, closest};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -222,10 +222,11 @@ fn is_free(geometry: &Geometry, corners: &[Vec3; 3], n: Vec3, plane: u32, nodes:
         let q = Vec3::from(node.p);
         for &c in corners {
             // Their own planes may stand between them.
-            if crossed(c, n, plane, node) != [plane, node.plane] {
+            let between = Between::new(c, n, node);
+            if !between.is_level() {
                 return false;
             }
-            let lift = (LIFT * (c - q).length()).max(2e-6) * 1.01;
+            let lift = 1.01 * between.lift;
             // Segments start at the lift, so the surface itself is not in the box.
             take(c + n * lift);
             take(q + Vec3::from(node.n) * lift);

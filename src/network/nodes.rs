@@ -3,7 +3,7 @@
 use super::candidates;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::layout::{NONE, Node, Point};
+use crate::layout::{NONE, Node, Point, Psi, kind};
 use crate::progress::Progress;
 use crate::scene::{Geometry, cumulative};
 use crate::twin::assign::Surface;
@@ -196,6 +196,23 @@ pub fn place_nodes<E: Engine>(
     Ok(surface)
 }
 
+/// Ends of rays that no node speaks for, nor is in sight of, name the one that speaks for the other end, where both reflect
+/// alike: what is in a corner too small for nodes is taken to be lit as what it sees. Returns whether there were any.
+pub fn lend(geometry: &Geometry, points: &[Point], psi: &mut [Psi]) -> bool {
+    let material = |p: &Point| geometry.tris[p.tri as usize].material;
+    let mut any = false;
+    for (ray, ends) in points.chunks_exact(2).zip(psi.chunks_exact_mut(2)) {
+        for [end, other] in [[0, 1], [1, 0]] {
+            let lost = ray[0].kind == kind::FRONT && ends[end].node[0] == NONE;
+            if lost && !ends[other].is_orphan() && material(&ray[0]) == material(&ray[1]) {
+                ends[end].node[0] = ends[other].node[0];
+                any = true;
+            }
+        }
+    }
+    any
+}
+
 /// The surface network of nodes that were placed earlier; `mark` as for [`place_nodes`].
 pub fn surface_of(geometry: &Geometry, nodes: Vec<Node>, lambda: f32, mark: bool) -> Surface {
     let mut surface = Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda, ..Surface::default() };
@@ -240,6 +257,32 @@ mod tests {
             let read = surface_of(&geometry, placed.nodes.clone(), 0.3, mark);
             assert!(placed.offsets == read.offsets && placed.candidates == read.candidates);
             assert!(placed.offsets.windows(2).all(|w| w[0] < w[1]), "a tile without candidates");
+        }
+    }
+
+    #[test]
+    fn an_end_without_nodes_borrows_from_the_other_of_its_material() {
+        let materials = vec![Material::new("a", [0.5; 3], [0.0; 3]), Material::new("b", [0.2; 3], [0.0; 3])];
+        let t = [shapes::block([0.0; 3], [1.0; 3], 0), shapes::block([2.0, 0.0, 0.0], [3.0, 1.0, 1.0], 1)].concat();
+        let g = Geometry::new(&Scene::from_triangles("two", &t, materials).unwrap()).unwrap();
+        let top = |x: f64| {
+            let tri = g.locate([x, 1.0, 0.5], [0.0, 1.0, 0.0]).unwrap().tri;
+            surface_point(&g, tri, 0.3, 0.3)
+        };
+        let [a, b] = [0.5, 2.5].map(|x| Point { kind: kind::FRONT, ..top(x) });
+        let spoken = Psi { node: [7, 3, NONE, NONE], weight: [0.75, 0.25, 0.0, 0.0] };
+        let lent = Psi { node: [7, NONE, NONE, NONE], ..Psi::EMPTY };
+        let named = Psi { node: [5, NONE, NONE, NONE], ..Psi::EMPTY };
+        for (ends, before, after) in [
+            ([a, a], [Psi::EMPTY, spoken], [lent, spoken]),
+            ([a, a], [spoken, Psi::EMPTY], [spoken, lent]),
+            ([a, b], [Psi::EMPTY, spoken], [Psi::EMPTY, spoken]),
+            ([a, a], [named, spoken], [named, spoken]),
+            ([a, a], [Psi::EMPTY, named], [Psi::EMPTY, named]),
+        ] {
+            let mut psi = before;
+            assert_eq!(lend(&g, &ends, &mut psi), before != after);
+            assert_eq!(psi, after);
         }
     }
 }

@@ -209,6 +209,11 @@ impl Engine for GpuEngine<'_> {
         self.fetch(&batch.psi)
     }
 
+    fn set_psi(&mut self, batch: &mut GpuBatch, psi: &[Psi]) -> Result<()> {
+        batch.psi = self.gpu.upload("psi", psi)?;
+        Ok(())
+    }
+
     fn feature(&mut self, batch: &mut GpuBatch, metric: Metric, brightness: &[f32]) -> Result<()> {
         let brightness = self.gpu.upload("brightness", brightness)?;
         batch.features = super::feature::feature(self.gpu, &self.scene, metric, &brightness, &batch.points)?;

@@ -135,6 +135,11 @@ impl Engine for TwinEngine<'_> {
         Ok(batch.psi.clone())
     }
 
+    fn set_psi(&mut self, batch: &mut TwinBatch, psi: &[Psi]) -> Result<()> {
+        batch.psi = psi.to_vec();
+        Ok(())
+    }
+
     fn feature(&mut self, batch: &mut TwinBatch, metric: Metric, brightness: &[f32]) -> Result<()> {
         batch.features = super::winner::feature(self.geometry, metric, brightness, &batch.points);
         Ok(())

@@ -394,13 +394,16 @@ fn d08_boxes_in_a_furnace_shine_alike() {
             !frames.iter().any(within)
         };
         let points: Vec<_> = scattered(&t, 1, 10).into_iter().filter(outside).collect();
-        // Nodes enough for every slot between boxes: where none speaks, a gather's scatter answers.
-        let params = Params { nodes: Some(4000), ..by_nodes(32_768) };
-        let answers = lit(&gpu, &scene(&t, vec![grey(0.9, 1.0)]), &params, &points, 0.05);
-        let error = worst(&answers, 10.0);
-        eprintln!("apart {apart}: {} of {} points are seen, off by {error:.1e}", points.len(), t.len());
-        assert!(points.len() > t.len() / 2 && answers.iter().all(|a| a.status == Status::Ok));
-        assert!(error < 5e-3, "{error}");
+        // Whatever nodes there are: some lie in hollows of solids that run through each other, and some corners have none.
+        for seed in [1, 2, 5] {
+            // Nodes enough for every slot between boxes: where none speaks, a gather's scatter answers.
+            let params = Params { nodes: Some(4000), seed, ..by_nodes(32_768) };
+            let answers = lit(&gpu, &scene(&t, vec![grey(0.9, 1.0)]), &params, &points, 0.05);
+            let error = worst(&answers, 10.0);
+            eprintln!("apart {apart}: {} of {} points are seen, off by {error:.1e}", points.len(), t.len());
+            assert!(points.len() > t.len() / 2 && answers.iter().all(|a| a.status == Status::Ok));
+            assert!(error < 5e-3, "{error}");
+        }
     }
 }
 

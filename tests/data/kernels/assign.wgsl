@@ -8,6 +8,13 @@ const STACK: u32 = 48u;
 
 const TWIN: u32 = 2147483648u;
 
+struct Between {
+    behind: vec2<f32>,
+    turn: f32,
+    cosine: f32,
+    lift: f32,
+}
+
 struct BvhNode {
     min: vec3<f32>,
     count: u32,
@@ -119,6 +126,23 @@ var<private> orphan: u32 = 4294967295u;
 
 var<private> unfinished: bool = false;
 
+fn between(p_1: vec3<f32>, n_1: vec3<f32>, node_1: u32) -> Between {
+    let _e6 = nodes[node_1].p;
+    let d_1 = (p_1 - _e6);
+    let m_1 = nodes[node_1].n;
+    let _e14 = dot3_((n_1 - m_1), (n_1 - m_1));
+    let _e15 = dot3_(d_1, d_1);
+    let turn = (sqrt((_e14 * _e15)) + 0.000002f);
+    let _e20 = dot3_(d_1, n_1);
+    let _e21 = dot3_(d_1, m_1);
+    let behind = vec2<f32>(_e20, -(_e21));
+    let _e24 = dot3_(n_1, m_1);
+    let over = select(vec2<f32>(), behind, (behind <= vec2(turn)));
+    let _e29 = dot3_(d_1, d_1);
+    let lift = max(max((0.1f * sqrt(_e29)), 0.000002f), (max(over.x, over.y) / _e24));
+    return Between(behind, turn, _e24, lift);
+}
+
 fn box_count(i_5: u32) -> u32 {
     let _e4 = bvh[i_5].count;
     return _e4;
@@ -151,12 +175,12 @@ fn candidate_node(c: u32) -> u32 {
     return _e9;
 }
 
-fn compatible(p_2: vec3<f32>, n_2: vec3<f32>, node_2: u32) -> bool {
-    let _e6 = nodes[node_2].p;
+fn compatible(p_2: vec3<f32>, n_2: vec3<f32>, node_3: u32) -> bool {
+    let _e6 = nodes[node_3].p;
     let d_2 = (p_2 - _e6);
     let _e8 = dot3_(d_2, d_2);
     let length_ = sqrt(_e8);
-    let _e13 = nodes[node_2].n;
+    let _e13 = nodes[node_3].n;
     let _e14 = dot3_(d_2, _e13);
     let _e16 = dot3_(d_2, n_2);
     let off = max(abs(_e14), abs(_e16));
@@ -165,17 +189,10 @@ fn compatible(p_2: vec3<f32>, n_2: vec3<f32>, node_2: u32) -> bool {
     return !(((off * _e21) >= (((0.3f * length_) * _e27) + 0.001f)));
 }
 
-fn crossed(p_1: vec3<f32>, n_1: vec3<f32>, plane: u32, node_1: u32) -> vec2<u32> {
-    let _e7 = nodes[node_1].p;
-    let d_1 = (p_1 - _e7);
-    let m_1 = nodes[node_1].n;
-    let _e15 = dot3_((n_1 - m_1), (n_1 - m_1));
-    let _e16 = dot3_(d_1, d_1);
-    let turn = (sqrt((_e15 * _e16)) + 0.000002f);
-    let _e22 = dot3_(d_1, n_1);
-    let _e28 = nodes[node_1].plane;
-    let _e30 = dot3_(d_1, m_1);
-    return vec2<u32>(select(plane, NONE, (_e22 > turn)), select(_e28, NONE, (-(_e30) > turn)));
+fn crossed(at: Between, plane: u32, node_2: u32, own: f32, other: f32) -> vec2<u32> {
+    let hides = (at.behind > vec2<f32>(min(at.turn, ((other * at.cosine) + 0.000002f)), min(at.turn, ((own * at.cosine) + 0.000002f))));
+    let _e23 = nodes[node_2].plane;
+    return select(vec2<u32>(plane, _e23), vec2(4294967295u), hides);
 }
 
 fn distance2_(p: vec3<f32>, n: vec3<f32>, node: u32) -> f32 {
@@ -224,8 +241,8 @@ fn enter(i_4: u32, origin: vec3<f32>, inv: vec3<f32>, t_max: f32) -> f32 {
     let low = min(t0_, t1_);
     let high = max(t0_, t1_);
     let near = max(max(max(low.x, low.y), low.z), 0f);
-    let far_1 = (min(min(high.x, high.y), high.z) * 1.0000005f);
-    if ((near * 0.9999995f) <= far_1) {
+    let far = (min(min(high.x, high.y), high.z) * 1.0000005f);
+    if ((near * 0.9999995f) <= far) {
         local_1 = ((near * 0.9999995f) < t_max);
     } else {
         local_1 = false;
@@ -361,15 +378,15 @@ fn shear(direction: vec3<f32>) -> Shear {
     return Shear(_e21, (_e20.x / _e20.z), (_e20.y / _e20.z), (1f / _e20.z));
 }
 
-fn take(k: u32, d2_: f32, node_3: u32) {
+fn take(k: u32, d2_: f32, node_4: u32) {
     if (k >= NEAREST) {
-        orphan = node_3;
+        orphan = node_4;
         return;
     } else {
         let _e8 = found;
         found_d[_e8] = d2_;
         let _e12 = found;
-        found_n[_e12] = node_3;
+        found_n[_e12] = node_4;
         let _e16 = found;
         found = (_e16 + 1u);
         return;
@@ -409,7 +426,7 @@ fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u3
     var hit: Hit;
     var stack: array<u32, 48>;
     var top: u32 = 0u;
-    var at: u32 = 0u;
+    var at_1: u32 = 0u;
     var open: bool;
     var pop: bool;
     var i_12: u32;
@@ -439,9 +456,9 @@ fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u3
             break;
         }
         {
-            let _e38 = at;
+            let _e38 = at_1;
             let _e39 = box_count(_e38);
-            let _e40 = at;
+            let _e40 = at_1;
             let _e41 = box_first(_e40);
             pop = true;
             if (_e39 > 0u) {
@@ -506,8 +523,8 @@ fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u3
                             }
                             let _e106 = met.t;
                             let _e111 = met.t;
-                            let behind = select(((t_max_2 - _e106) * -(_e86)), (_e111 * _e86), (_e86 > 0f));
-                            if (behind < 0.0000004f) {
+                            let behind_1 = select(((t_max_2 - _e106) * -(_e86)), (_e111 * _e86), (_e86 > 0f));
+                            if (behind_1 < 0.0000004f) {
                                 if !((_e86 > 0f)) {
                                     local_17 = any_hit;
                                 } else {
@@ -550,9 +567,9 @@ fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u3
                 let _e151 = hit.t;
                 let _e152 = enter((_e41 + 1u), origin_3, inv_1, _e151);
                 let swap = (_e147 > _e152);
-                let far_2 = max(_e147, _e152);
+                let far_1 = max(_e147, _e152);
                 if (min(_e147, _e152) < F32_MAX) {
-                    if (far_2 < F32_MAX) {
+                    if (far_1 < F32_MAX) {
                         let _e162 = unfinished;
                         if !(_e162) {
                             let _e166 = top;
@@ -567,7 +584,7 @@ fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u3
                         let _e179 = top;
                         top = (_e179 + 1u);
                     }
-                    at = select(_e41, (_e41 + 1u), swap);
+                    at_1 = select(_e41, (_e41 + 1u), swap);
                     pop = false;
                 }
             }
@@ -581,7 +598,7 @@ fn walk(origin_3: vec3<f32>, direction_1: vec3<f32>, t_max_2: f32, skip: vec2<u3
                     top = (_e191 - 1u);
                     let _e193 = top;
                     let _e197 = stack[min(_e193, 47u)];
-                    at = _e197;
+                    at_1 = _e197;
                 }
             }
         }
@@ -629,7 +646,7 @@ fn weights(i_13: u32) -> Psi {
     var reach: f32 = -1f;
     var k_1: u32 = 0u;
     var pending: bool = true;
-    var node_4: u32;
+    var node_5: u32;
     var local_24: bool;
     var local_25: bool;
     var local_26: bool;
@@ -637,7 +654,7 @@ fn weights(i_13: u32) -> Psi {
     var local_28: bool;
     var local_29: bool;
     var look: Look;
-    var far: f32;
+    var most: f32;
     var c_3: u32;
     var sum: f32 = 0f;
     var k_2: u32 = 0u;
@@ -813,7 +830,7 @@ fn weights(i_13: u32) -> Psi {
         }
         {
             pending = false;
-            node_4 = NONE;
+            node_5 = NONE;
             loop {
                 let _e252 = pending;
                 if !(_e252) {
@@ -857,13 +874,13 @@ fn weights(i_13: u32) -> Psi {
                 }
                 {
                     let _e293 = k_1;
-                    let at_1 = near_c[(_e293 % NEAREST)];
-                    if (at_1 != NONE) {
-                        let _e300 = candidate_node(at_1);
-                        node_4 = _e300;
+                    let at_2 = near_c[(_e293 % NEAREST)];
+                    if (at_2 != NONE) {
+                        let _e300 = candidate_node(at_2);
+                        node_5 = _e300;
                         let _e301 = k_1;
                         if !((_e301 >= NEAREST)) {
-                            let _e307 = node_4;
+                            let _e307 = node_5;
                             let _e308 = compatible(p_4, _e31, _e307);
                             local_29 = _e308;
                         } else {
@@ -871,14 +888,14 @@ fn weights(i_13: u32) -> Psi {
                         }
                         let _e310 = local_29;
                         if _e310 {
-                            let _e311 = candidate_free(at_1);
+                            let _e311 = candidate_free(at_2);
                             pending = !(_e311);
                             let _e313 = pending;
                             if !(_e313) {
                                 let _e315 = k_1;
                                 let _e316 = k_1;
                                 let _e320 = near_d[(_e316 % NEAREST)];
-                                let _e321 = node_4;
+                                let _e321 = node_5;
                                 take(_e315, _e320, _e321);
                             }
                         }
@@ -889,116 +906,116 @@ fn weights(i_13: u32) -> Psi {
             }
             let _e325 = pending;
             if _e325 {
-                let _e327 = node_4;
-                let q_1 = nodes[_e327].p;
-                let _e333 = dot3_((p_4 - q_1), (p_4 - q_1));
-                let lift = max((0.1f * sqrt(_e333)), 0.000002f);
-                let _e339 = reach;
-                let up = (_e339 < 0f);
-                let _e342 = reach;
-                let start = (p_4 + (_e31 * min(lift, (0.5f * _e342))));
-                let _e349 = node_4;
-                let _e352 = nodes[_e349].n;
-                let _e354 = node_4;
-                let _e357 = nodes[_e354].clear;
-                let stop = (q_1 + (_e352 * min(lift, (0.5f * _e357))));
-                let _e364 = node_4;
-                let _e365 = crossed(p_4, _e31, _e32, _e364);
-                look = Look(start, (stop - start), 1f, _e365);
+                let _e326 = node_5;
+                let _e327 = between(p_4, _e31, _e326);
+                let _e328 = reach;
+                let up = (_e328 < 0f);
+                let _e332 = reach;
+                let own_1 = min(_e327.lift, (0.5f * _e332));
+                let _e338 = node_5;
+                let _e341 = nodes[_e338].clear;
+                let other_1 = min(_e327.lift, (0.5f * _e341));
+                let start = (p_4 + (_e31 * own_1));
+                let _e348 = node_5;
+                let _e351 = nodes[_e348].p;
+                let _e353 = node_5;
+                let _e356 = nodes[_e353].n;
+                let stop = (_e351 + (_e356 * other_1));
+                let _e360 = node_5;
+                let _e361 = crossed(_e327, _e32, _e360, own_1, other_1);
+                look = Look(start, (stop - start), 1f, _e361);
                 if up {
-                    far = 0f;
+                    most = 0f;
                     c_3 = 0u;
                     loop {
-                        let _e373 = c_3;
-                        if (_e373 < NEAREST) {
+                        let _e369 = c_3;
+                        if (_e369 < NEAREST) {
                         } else {
                             break;
                         }
                         {
-                            let _e376 = c_3;
-                            let _e378 = near_c[_e376];
-                            if (_e378 != NONE) {
-                                let _e382 = c_3;
-                                let _e384 = near_c[_e382];
-                                let _e385 = candidate_node(_e384);
-                                let _e388 = nodes[_e385].p;
-                                let d_3 = (p_4 - _e388);
-                                let _e390 = far;
-                                let _e391 = dot3_(d_3, d_3);
-                                far = max(_e390, sqrt(_e391));
+                            let _e372 = c_3;
+                            let _e374 = near_c[_e372];
+                            if (_e374 != NONE) {
+                                let _e377 = most;
+                                let _e378 = c_3;
+                                let _e380 = near_c[_e378];
+                                let _e381 = candidate_node(_e380);
+                                let _e382 = between(p_4, _e31, _e381);
+                                most = max(_e377, _e382.lift);
                             }
                         }
                         continuing {
-                            let _e395 = c_3;
-                            c_3 = (_e395 + 1u);
+                            let _e386 = c_3;
+                            c_3 = (_e386 + 1u);
                         }
                     }
-                    let _e397 = far;
-                    look = Look(p_4, _e31, (2f * ((0.1001f * _e397) + 0.000004f)), vec2<u32>(_e32, NONE));
+                    let _e388 = most;
+                    look = Look(p_4, _e31, (2f * ((1.001f * _e388) + 0.000004f)), vec2<u32>(_e32, NONE));
                 }
-                let _e408 = look.origin;
-                let _e410 = look.direction;
-                let _e412 = look.t_max;
-                let _e414 = look.skip;
-                let _e417 = walk(_e408, _e410, _e412, _e414, !(up), vec3<f32>());
+                let _e399 = look.origin;
+                let _e401 = look.direction;
+                let _e403 = look.t_max;
+                let _e405 = look.skip;
+                let _e408 = walk(_e399, _e401, _e403, _e405, !(up), vec3<f32>());
                 if up {
-                    reach = _e417.t;
-                    let _e420 = k_1;
-                    k_1 = (_e420 - 1u);
+                    reach = _e408.t;
+                    let _e411 = k_1;
+                    k_1 = (_e411 - 1u);
                 } else {
-                    if (_e417.tri == NONE) {
-                        let _e425 = k_1;
-                        let _e428 = k_1;
-                        let _e434 = near_d[((_e428 - 1u) % NEAREST)];
-                        let _e435 = node_4;
-                        take((_e425 - 1u), _e434, _e435);
+                    if (_e408.tri == NONE) {
+                        let _e416 = k_1;
+                        let _e419 = k_1;
+                        let _e425 = near_d[((_e419 - 1u) % NEAREST)];
+                        let _e426 = node_5;
+                        take((_e416 - 1u), _e425, _e426);
                     }
                 }
             }
         }
     }
-    let _e437 = found;
-    if (_e437 == 0u) {
-        let _e443 = orphan;
-        result.node.x = _e443;
-        let _e444 = result;
-        return _e444;
+    let _e428 = found;
+    if (_e428 == 0u) {
+        let _e434 = orphan;
+        result.node.x = _e434;
+        let _e435 = result;
+        return _e435;
     }
-    let _e447 = found;
-    let _e451 = found_d[(_e447 - 1u)];
-    let _e456 = found_d[4];
-    let _e458 = found;
-    let radius2_ = max(select((2.25f * _e451), _e456, (_e458 == 5u)), 0.00000000000000000001f);
+    let _e438 = found;
+    let _e442 = found_d[(_e438 - 1u)];
+    let _e447 = found_d[4];
+    let _e449 = found;
+    let radius2_ = max(select((2.25f * _e442), _e447, (_e449 == 5u)), 0.00000000000000000001f);
     loop {
-        let _e468 = k_2;
-        let _e470 = found;
-        if (_e468 < min(_e470, 4u)) {
+        let _e459 = k_2;
+        let _e461 = found;
+        if (_e459 < min(_e461, 4u)) {
         } else {
             break;
         }
         {
-            let _e475 = k_2;
-            let _e477 = found_d[_e475];
-            let t_1 = (max((1f - (_e477 / radius2_)), 0f) + 0.000001f);
-            let _e486 = k_2;
-            let _e489 = k_2;
-            let _e491 = found_n[_e489];
-            result.node[_e486] = _e491;
-            let _e493 = k_2;
-            result.weight[_e493] = (t_1 * t_1);
-            let _e496 = sum;
-            sum = (_e496 + (t_1 * t_1));
+            let _e466 = k_2;
+            let _e468 = found_d[_e466];
+            let t_1 = (max((1f - (_e468 / radius2_)), 0f) + 0.000001f);
+            let _e477 = k_2;
+            let _e480 = k_2;
+            let _e482 = found_n[_e480];
+            result.node[_e477] = _e482;
+            let _e484 = k_2;
+            result.weight[_e484] = (t_1 * t_1);
+            let _e487 = sum;
+            sum = (_e487 + (t_1 * t_1));
         }
         continuing {
-            let _e500 = k_2;
-            k_2 = (_e500 + 1u);
+            let _e491 = k_2;
+            k_2 = (_e491 + 1u);
         }
     }
-    let _e504 = result.weight;
-    let _e505 = sum;
-    result.weight = (_e504 / vec4(_e505));
-    let _e508 = result;
-    return _e508;
+    let _e495 = result.weight;
+    let _e496 = sum;
+    result.weight = (_e495 / vec4(_e496));
+    let _e499 = result;
+    return _e499;
 }
 
 @compute @workgroup_size(64, 1, 1) 
