@@ -47,7 +47,7 @@ impl Job {
         Ok(paths.map(|path| std::fs::read(path).unwrap()))
     }
 
-    /// Stops at each of `moments` random events in a bake of its own, goes on from the file, and compares.
+    /// Stops at a random event of each of `moments` parts of a bake, goes on from the file, and compares.
     fn is_the_same_wherever_it_stops(&self, moments: u32, seed: u32) {
         let dir = tempfile::tempdir().unwrap();
         let file = dir.path().join("checkpoint.rcell");
@@ -60,7 +60,8 @@ impl Job {
             .unwrap();
         let mut reached = std::collections::BTreeSet::new();
         for moment in 0..moments {
-            let last = hash(seed + moment) % events;
+            let [first, end] = [moment, moment + 1].map(|part| part * events / moments);
+            let last = first + hash(seed + moment) % (end - first);
             let (mut left, mut saved) = (last, Checkpoint::default());
             let stopped = self.run(&mut saved, dir.path(), &mut |_| {
                 left = left.wrapping_sub(1);
