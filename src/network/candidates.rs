@@ -4,49 +4,33 @@
 use super::boxes::{Boxes, Key};
 use super::groups::Extent;
 use super::tiles::tile_corners;
-use crate::layout::{Candidate, NONE, Node};
+use crate::layout::{Candidate, Node};
 use crate::scene::Geometry;
 use crate::twin::assign::{Between, CONE, NEAREST, Surface};
-use crate::twin::trace::{Ray, closest};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Lists that one thread finds at a time.
 const CHUNK: usize = 256;
 
-/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points, and looks up from
-/// each node. `mark`: marks also the candidates that nothing can hide from their tile, so that no ray need be shot. That takes
-/// box queries, which many points pay for; the weights are the same without.
+/// Lists for every tile, or group of them, the nodes that can be among the nearest of any of its points. `mark`: marks also the
+/// candidates that nothing can hide from their tile, so that no ray need be shot. That takes box queries, which many points pay
+/// for; the weights are the same without.
 pub fn find(geometry: &Geometry, surface: &mut Surface, mark: bool) {
-    find_some(geometry, surface, &vec![true; lists(geometry)]);
-    if mark {
-        mark_free(geometry, surface, |_| true);
-    }
+    find_some(geometry, surface, &vec![true; geometry.lists()], mark);
 }
 
 /// The lists of some tiles, for [`find_some`].
 pub fn of_tiles(geometry: &Geometry, tiles: impl Iterator<Item = u32>) -> Vec<bool> {
-    let mut asked = vec![false; lists(geometry)];
+    let mut asked = vec![false; geometry.lists()];
     for tile in tiles {
         asked[geometry.groups.as_ref().map_or(tile, |groups| groups.of_tile[tile as usize]) as usize] = true;
     }
     asked
 }
 
-/// How many lists there are.
-fn lists(geometry: &Geometry) -> usize {
-    geometry.groups.as_ref().map_or(geometry.tiles as usize, |groups| groups.len())
-}
-
 /// As [`find`] for the lists that are asked of; all others stay as they are, or empty.
-pub fn find_some(geometry: &Geometry, surface: &mut Surface, asked: &[bool]) {
-    surface.nodes.par_iter_mut().for_each(|n| {
-        n.clear = closest(
-            geometry,
-            &Ray { origin: Vec3::from(n.p), direction: Vec3::from(n.n), t_max: f32::MAX, skip: [n.plane, NONE] },
-        )
-        .t
-    });
+pub fn find_some(geometry: &Geometry, surface: &mut Surface, asked: &[bool], mark: bool) {
     surface.groups = geometry.groups.clone();
     let boxes = Boxes::new(geometry, surface);
     let before = &*surface;
@@ -59,7 +43,7 @@ pub fn find_some(geometry: &Geometry, surface: &mut Surface, asked: &[bool]) {
             for (list, &asked) in (chunk * CHUNK..).zip(asked) {
                 let first = found.len();
                 match (asked, &geometry.groups) {
-                    (false, _) => found.extend_from_slice(list_of(before, list)),
+                    (false, _) => found.extend_from_slice(before.list(list)),
                     (true, Some(groups)) => search.list(groups.extent(list), &mut found),
                     (true, None) => search.list(&Extent::of_tile(geometry, list as u32), &mut found),
                 }
@@ -77,13 +61,8 @@ pub fn find_some(geometry: &Geometry, surface: &mut Surface, asked: &[bool]) {
         }));
         surface.candidates.extend(candidates);
     }
-}
-
-/// The candidates in a list; none where lists have not been made.
-fn list_of(surface: &Surface, list: usize) -> &[Candidate] {
-    match surface.offsets.get(list..list + 2) {
-        Some(ends) => &surface.candidates[ends[0] as usize..ends[1] as usize],
-        None => &[],
+    if mark {
+        mark_free(geometry, surface, asked);
     }
 }
 
@@ -175,11 +154,8 @@ pub fn leave_out_empty(geometry: &Geometry, surface: &mut Surface, mass: &[f64],
     }
     // A list that none of them is in has all that it needs.
     let empty = |c: &Candidate| surface.nodes[c.node as usize].gain < 0.0;
-    let asked: Vec<bool> = (0..lists(geometry)).into_par_iter().map(|list| list_of(surface, list).iter().any(empty)).collect();
-    find_some(geometry, surface, &asked);
-    if mark {
-        mark_free(geometry, surface, |list| asked[list]);
-    }
+    let asked: Vec<bool> = (0..geometry.lists()).into_par_iter().map(|list| surface.list(list).iter().any(empty)).collect();
+    find_some(geometry, surface, &asked, mark);
     true
 }
 
@@ -189,12 +165,12 @@ pub fn worth_marking(geometry: &Geometry, rays: u32) -> bool {
 }
 
 /// Marks what nothing can hide from the tiles that are asked of.
-fn mark_free(geometry: &Geometry, surface: &mut Surface, asked: impl Fn(usize) -> bool + Sync) {
+fn mark_free(geometry: &Geometry, surface: &mut Surface, asked: &[bool]) {
     let free: Vec<Vec<u32>> = (0..geometry.tiles as usize)
         .into_par_iter()
         .map(|tile| {
-            let list = list_of(surface, tile);
-            if !asked(tile) {
+            let list = surface.list(tile);
+            if !asked[tile] {
                 return list.iter().map(|c| c.free).collect();
             }
             let own: Vec<&Node> = list.iter().map(|c| &surface.nodes[c.node as usize]).collect();

@@ -10,7 +10,8 @@ use crate::twin::assign::Surface;
 use crate::twin::gather::Gathered;
 use crate::twin::math::{invert_cdf, unit};
 use crate::twin::sobol::sobol4;
-use crate::twin::trace::{place_in_tile, surface_point};
+use crate::twin::trace::{Ray, closest, place_in_tile, surface_point};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Training points a node.
@@ -167,7 +168,7 @@ pub fn place_nodes<E: Engine>(
     progress.tick()?;
     // Until all nodes are there, only the training points' own tiles are asked of.
     let asked = candidates::of_tiles(geometry, points.iter().map(|p| p.tile).filter(|&t| t != NONE));
-    candidates::find_some(geometry, &mut surface, &asked);
+    candidates::find_some(geometry, &mut surface, &asked, false);
     engine.set_surface(&surface)?;
 
     // Orphans get nodes of their own; whoever has a node that speaks for it keeps one.
@@ -188,7 +189,7 @@ pub fn place_nodes<E: Engine>(
             break;
         }
         add_nodes(geometry, &mut surface, &points, &places, &orphans, more);
-        candidates::find_some(geometry, &mut surface, &asked);
+        candidates::find_some(geometry, &mut surface, &asked, false);
         engine.set_surface(&surface)?;
     }
     candidates::find(geometry, &mut surface, mark);
@@ -214,7 +215,8 @@ pub fn lend(geometry: &Geometry, points: &[Point], psi: &mut [Psi]) -> bool {
 }
 
 /// The surface network of nodes that were placed earlier; `mark` as for [`place_nodes`].
-pub fn surface_of(geometry: &Geometry, nodes: Vec<Node>, lambda: f32, mark: bool) -> Surface {
+pub fn surface_of(geometry: &Geometry, mut nodes: Vec<Node>, lambda: f32, mark: bool) -> Surface {
+    look_up(geometry, &mut nodes);
     let mut surface = Surface { nodes, inv_unit: (1.0 / geometry.unit) as f32, lambda, ..Surface::default() };
     candidates::find(geometry, &mut surface, mark);
     surface
@@ -222,6 +224,7 @@ pub fn surface_of(geometry: &Geometry, nodes: Vec<Node>, lambda: f32, mark: bool
 
 /// Adds about `count` nodes at the k-means of the chosen points, material by material.
 fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], places: &[Place], chosen: &[usize], count: usize) {
+    let first = surface.nodes.len();
     for material in 0..geometry.materials.len() as u32 {
         let members: Vec<usize> =
             chosen.iter().copied().filter(|&i| geometry.tris[points[i].tri as usize].material == material).collect();
@@ -233,6 +236,15 @@ fn add_nodes(geometry: &Geometry, surface: &mut Surface, points: &[Point], place
             surface.nodes.push(Node { p: p.p, material, n: tri.normal, plane: tri.plane, gain: 1.0, ..Node::default() });
         }
     }
+    look_up(geometry, &mut surface.nodes[first..]);
+}
+
+/// Finds how far it is up from each node.
+fn look_up(geometry: &Geometry, nodes: &mut [Node]) {
+    nodes.par_iter_mut().for_each(|n| {
+        let up = Ray { origin: Vec3::from(n.p), direction: Vec3::from(n.n), t_max: f32::MAX, skip: [n.plane, NONE] };
+        n.clear = closest(geometry, &up).t;
+    });
 }
 
 #[cfg(test)]

@@ -56,8 +56,7 @@ pub struct Looks {
 /// Every tile, or group of them, by itself; where there are more than `looks`, one for all of a material that face about one way and
 /// lie in a box as wide as so many looks lie apart.
 pub fn looks(geometry: &Geometry, looks: u32) -> Looks {
-    let own = geometry.groups.as_ref().map_or(geometry.tiles as usize, |groups| groups.len());
-    if looks as usize >= own {
+    if looks as usize >= geometry.lists() {
         return match &geometry.groups {
             None => Looks { tiles: (0..geometry.tiles).collect(), of: (0..geometry.tiles).collect() },
             Some(groups) => Looks { tiles: groups.tiles(), of: groups.of_tile.clone() },

@@ -444,6 +444,11 @@ impl Geometry {
         if self.flatland { share } else { share.sqrt() }
     }
 
+    /// How many lists of nodes there are: one each tile, or group of tiles.
+    pub fn lists(&self) -> usize {
+        self.groups.as_ref().map_or(self.tiles as usize, |groups| groups.len())
+    }
+
     /// Whether a triangle reflects or emits.
     pub fn is_live(&self, tri: usize) -> bool {
         let m = self.material_of(tri);

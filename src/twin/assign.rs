@@ -42,6 +42,16 @@ pub struct Surface {
     pub lambda: f32,
 }
 
+impl Surface {
+    /// The candidates in a list; none where lists have not been made.
+    pub fn list(&self, list: usize) -> &[Candidate] {
+        match self.offsets.get(list..list + 2) {
+            Some(ends) => &self.candidates[ends[0] as usize..ends[1] as usize],
+            None => &[],
+        }
+    }
+}
+
 /// Squared distance in the metric (y/L, lambda n).
 pub fn distance2(surface: &Surface, p: Vec3, n: Vec3, node: &Node) -> f32 {
     let d = (p - Vec3::from(node.p)) * surface.inv_unit;
@@ -107,13 +117,13 @@ pub fn weights(geometry: &Geometry, surface: &Surface, point: &Point) -> Psi {
     // Keep the nearest candidates in order; the earlier of two equals comes first.
     let mut near = [(f32::MAX, Candidate { node: NONE, free: 0 }); NEAREST];
     let list = surface.groups.as_ref().map_or(point.tile, |groups| groups.of_tile[point.tile as usize]) as usize;
-    for c in surface.offsets[list]..surface.offsets[list + 1] {
+    for &candidate in surface.list(list) {
         // A list of several tiles holds nodes of other cones, too.
-        let node = &surface.nodes[surface.candidates[c as usize].node as usize];
+        let node = &surface.nodes[candidate.node as usize];
         if surface.groups.is_some() && n.dot(Vec3::from(node.n)) <= CONE {
             continue;
         }
-        let mut item = (distance2(surface, p, n, node), surface.candidates[c as usize]);
+        let mut item = (distance2(surface, p, n, node), candidate);
         for slot in near.iter_mut() {
             if item.0 < slot.0 {
                 std::mem::swap(&mut item, slot);
